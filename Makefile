@@ -1,0 +1,59 @@
+# Each target works alone on a fresh clone; it needs Python >= 3.11, make and pip.
+PYTHON ?= python3
+# Test processes at a time.
+JOBS ?= auto
+# More options for pytest: make test PYTEST_ARGS='-k ranging'.
+PYTEST_ARGS ?=
+
+BIN := .venv/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+.NOTPARALLEL:
+.PHONY: help setup demo test lint bench clean
+
+help: ## show this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
+
+setup: .venv/.done ## create .venv with everything the other targets need
+
+demo: .venv/.base ## fly the rule of the paper against doing nothing, and print the scores
+	$(BIN)/rss-gym demo
+
+test: .venv/.done ## run all tests; skipped ones are listed with their reasons
+	$(BIN)/python -m pytest -ra -n $(JOBS) $(PYTEST_ARGS)
+
+lint: .venv/.done ## style, types and layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: .venv/.bench ## step rates on one core, beside other environments
+	$(BIN)/python benchmarks/speed.py
+
+clean: ## remove build products and caches; .venv stays
+	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	find rss_gym baselines train eval tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# One stamp for each set of packages: the demo needs no test tools.
+.venv/.base: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing rss-gym into .venv ..."
+	@$(INSTALL) -e .
+	@touch $@
+
+.venv/.done: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing rss-gym with test tools and PyTorch into .venv (a few minutes the first time) ..."
+	@$(INSTALL) -e '.[dev,train]'
+	@touch .venv/.base $@
+
+.venv/.bench: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing rss-gym with the packages of the benchmark into .venv ..."
+	@$(INSTALL) -e '.[bench]'
+	@touch .venv/.base $@
+
+# Where the standard library comes without ensurepip (as some Linux distributions split it), $(PYTHON)'s own pip fills the venv.
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "rss_gym needs Python 3.11 or newer, and '$(PYTHON)' is not: try 'make PYTHON=python3.13 ...'." >&2; exit 1; }
+	@if $(PYTHON) -c 'import ensurepip' 2>/dev/null; then $(PYTHON) -m venv .venv; \
+	else $(PYTHON) -m venv --without-pip .venv && $(PYTHON) -m pip --python $@ install --quiet pip || { rm -rf .venv; exit 1; }; fi

@@ -1,0 +1,1 @@
+"""Policies: scripted rules and learned agents behind one protocol."""

@@ -1,0 +1,52 @@
+"""Families of encounters, one file each. A new family is one file and one line in `FAMILIES`.
+
+`mixed` draws from all of them with the weights they carry.
+"""
+
+import numpy as np
+
+from rss_gym.encounters.crossing import CROSSING
+from rss_gym.encounters.family import Family
+from rss_gym.encounters.head_on import HEAD_ON
+from rss_gym.encounters.no_conflict import NO_CONFLICT
+from rss_gym.encounters.overtaking import OVERTAKING
+from rss_gym.encounters.parallel_pass import PARALLEL_PASS
+from rss_gym.encounters.turning import TURNING
+from rss_gym.params import Encounter, ParamsError, suggestion
+from rss_gym.records import FAMILY
+
+MIXED = "mixed"
+FAMILIES: dict[str, Family] = {
+    "crossing": CROSSING,
+    "head-on": HEAD_ON,
+    "overtaking": OVERTAKING,
+    "turning": TURNING,
+    "parallel-pass": PARALLEL_PASS,
+    "no-conflict": NO_CONFLICT,
+}
+
+
+def chosen(encounter: Encounter) -> list[str]:
+    """Names of the families that `encounter.families` asks for, in the order of the registry.
+
+    Raises
+    ------
+    ParamsError
+        For an unknown name.
+    """
+    names = [encounter.families] if isinstance(encounter.families, str) else list(encounter.families)
+    for name in names:
+        if name != MIXED and name not in FAMILIES:
+            raise ParamsError(f"family {name!r} is unknown{suggestion(name, [*FAMILIES, MIXED])}")
+    return [name for name in FAMILIES if name in names or MIXED in names]
+
+
+def records(encounter: Encounter) -> np.ndarray:
+    """The chosen families for the sampler, with cumulative weights that end at 1. Shape (f,)."""
+    names = chosen(encounter)
+    out = np.zeros(len(names), FAMILY)
+    for index, name in enumerate(names):
+        out[index] = FAMILIES[name].record(encounter.horizontal_offset_m)
+    out["weight"] = np.cumsum(out["weight"]) / np.sum(out["weight"])
+    out["weight"][-1] = 1.0
+    return out

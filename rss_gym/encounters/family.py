@@ -1,0 +1,52 @@
+"""What a family of encounters is: the ranges that the sampler draws from, as data."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from rss_gym.records import FAMILY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Family:
+    """A law of encounters, built from the planned closest approach backwards.
+
+    Parameters
+    ----------
+    summary : str
+        One line for `rss-gym list`.
+    weight : float
+        Share in `mixed`, relative to the other families.
+    crossing_rad : (float, float)
+        Angle from the agent's heading to the intruder's at the closest approach; the side is drawn.
+    conflict_share : float
+        Share with a planned miss distance small enough to collide.
+    offset_m : (float, float) or None
+        Horizontal miss distance of the others, the side drawn; None takes +-`horizontal_offset_m` of the parameters.
+    turn_rad : (float, float) or None
+        Size of a turn, the side drawn, that each aircraft makes 6-20 s before the closest approach, so that a straight
+        extrapolation fails; None flies straight.
+    """
+
+    summary: str
+    weight: float
+    crossing_rad: tuple[float, float]
+    conflict_share: float
+    offset_m: tuple[float, float] | None = None
+    turn_rad: tuple[float, float] | None = None
+
+    def record(self, horizontal_offset_m: float) -> np.void:
+        """The family as the record that the sampler reads; `weight` is not yet cumulative."""
+        out = np.zeros(1, FAMILY)[0]
+        out["weight"], out["conflict_share"] = self.weight, self.conflict_share
+        out["crossing_min_rad"], out["crossing_max_rad"] = self.crossing_rad
+        out["offset_min_m"], out["offset_max_m"] = self.offset_m or (0.0, horizontal_offset_m)
+        out["turns"] = self.turn_rad is not None
+        out["turn_min_rad"], out["turn_max_rad"] = self.turn_rad or (0.0, 0.0)
+        return out
+
+
+def degrees(low: float, high: float) -> tuple[float, float]:
+    """A range of angles given in degrees, in radians."""
+    return low * pi / 180.0, high * pi / 180.0

@@ -1,0 +1,193 @@
+"""Draws one encounter: predefined trajectories built from the closest approach backwards.
+
+The origin is the planned closest approach of the first intruder. All paths are level polylines flown at a constant
+cruise speed; a draw that breaks a stated limit (closing speed, time, start range, an earlier and closer approach) is
+drawn again.
+"""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from rss_gym.jit import kernel
+from rss_gym.physics.elementary import cos, sin
+from rss_gym.physics.geometry import least_square_separation
+from rss_gym.physics.random import uniform
+from rss_gym.records import STREAM_SAMPLER
+
+ATTEMPTS = 1000
+DRAWS = 16  # uniforms reserved for one attempt of one intruder
+TURN_EARLIEST_S, TURN_LATEST_S = 20.0, 6.0  # before the closest approach
+
+
+@kernel
+def signed(u, low, high):
+    """A value of random sign with magnitude uniform in [low, high], from one uniform `u`."""
+    if u < 0.5:
+        return -(low + 2.0 * u * (high - low))
+    return low + (2.0 * u - 1.0) * (high - low)
+
+
+@kernel
+def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, turn_s, turn_rad):
+    """Predefined trajectory through (x, y, z) at `approach_s` with velocity (vx, vy), and one turn `turn_s` earlier.
+
+    Writes the way points, the times they are due and the number of points; a zero turn leaves two points.
+    """
+    points = aircraft.path_m
+    times = aircraft.path_s
+    last = 1
+    if turn_rad != 0.0:
+        last = 2
+        points[1, 0], points[1, 1], points[1, 2] = x - vx * turn_s, y - vy * turn_s, z
+        times[1] = approach_s - turn_s
+        c, s = cos(turn_rad), sin(turn_rad)
+        wx, wy = vx * c + vy * s, vy * c - vx * s  # the velocity before the turn
+        points[0, 0] = points[1, 0] - wx * (approach_s - turn_s)
+        points[0, 1] = points[1, 1] - wy * (approach_s - turn_s)
+    else:
+        points[0, 0], points[0, 1] = x - vx * approach_s, y - vy * approach_s
+    points[0, 2], times[0] = z, 0.0
+    points[last, 0], points[last, 1], points[last, 2] = x + vx * (end_s - approach_s), y + vy * (end_s - approach_s), z
+    times[last] = end_s
+    aircraft.path_points = last + 1
+
+
+@kernel
+def planned(aircraft, leg, time_s):
+    """u^d and its velocity at `time_s`, on leg number `leg`; beyond the last way point the last leg goes on."""
+    p, t = aircraft.path_m, aircraft.path_s
+    span_s = t[leg + 1] - t[leg]
+    vx, vy = (p[leg + 1, 0] - p[leg, 0]) / span_s, (p[leg + 1, 1] - p[leg, 1]) / span_s
+    vz = (p[leg + 1, 2] - p[leg, 2]) / span_s
+    s = time_s - t[leg]
+    return p[leg, 0] + vx * s, p[leg, 1] + vy * s, p[leg, 2] + vz * s, vx, vy, vz
+
+
+@kernel
+def leg_at(aircraft, leg, time_s):
+    """Number of the leg flown at `time_s`, searched from `leg` on."""
+    while leg + 2 < aircraft.path_points and time_s >= aircraft.path_s[leg + 1]:
+        leg += 1
+    return leg
+
+
+@kernel
+def least_planned_separation_m(one, two, end_s):
+    """Least separation of two predefined trajectories over [0, end_s], exact on each pair of legs."""
+    start_s, leg_one, leg_two, least = 0.0, 0, 0, np.inf
+    while start_s < end_s:
+        leg_one, leg_two = leg_at(one, leg_one, start_s), leg_at(two, leg_two, start_s)
+        stop_s = end_s
+        if leg_one + 2 < one.path_points:
+            stop_s = min(stop_s, one.path_s[leg_one + 1])
+        if leg_two + 2 < two.path_points:
+            stop_s = min(stop_s, two.path_s[leg_two + 1])
+        ax, ay, az, avx, avy, avz = planned(one, leg_one, start_s)
+        bx, by, bz, bvx, bvy, bvz = planned(two, leg_two, start_s)
+        square = least_square_separation(
+            bx - ax, by - ay, bz - az, bvx - avx, bvy - avy, bvz - avz, stop_s - start_s
+        )
+        least = min(least, square)
+        start_s = stop_s
+    return sqrt(least)
+
+
+@kernel
+def start_separation_m(one, two):
+    """Distance of the first way points of two predefined trajectories."""
+    square = 0.0
+    for axis in range(3):
+        step = one.path_m[0, axis] - two.path_m[0, axis]
+        square += step * step
+    return sqrt(square)
+
+
+@kernel
+def draw(key, config, families, aircraft, intruders):
+    """Lay the predefined trajectories of the agent (`aircraft[0]`) and of `intruders` intruders.
+
+    Returns
+    -------
+    tuple
+        Index of the first intruder's family (-1 if no draw met the limits), time of its closest approach (s), end of
+        the flight (s).
+    """
+    agent = aircraft[0]
+    family_index = 0
+    first_approach_s = 0.0
+    end_s = 0.0
+    for k in range(intruders):
+        intruder = aircraft[1 + k]
+        index = k * ATTEMPTS * DRAWS
+        law_index = 0
+        choose = uniform(key, STREAM_SAMPLER, index)
+        while choose > families[law_index].weight:
+            law_index += 1
+        law = families[law_index]
+        conflict = uniform(key, STREAM_SAMPLER, index + 1) < law.conflict_share
+        accepted = False
+        for attempt in range(ATTEMPTS):
+            at = index + attempt * DRAWS
+            speed_span = config.cruise_max_mps - config.cruise_min_mps
+            speed = config.cruise_min_mps + speed_span * uniform(key, STREAM_SAMPLER, at + 2)
+            crossing = signed(uniform(key, STREAM_SAMPLER, at + 3), law.crossing_min_rad, law.crossing_max_rad)
+            start_m = config.start_min_m + (config.start_max_m - config.start_min_m) * uniform(
+                key, STREAM_SAMPLER, at + 4
+            )
+            if conflict:
+                horizontal = signed(uniform(key, STREAM_SAMPLER, at + 5), 0.0, config.conflict_offset_m)
+                vertical = signed(uniform(key, STREAM_SAMPLER, at + 6), 0.0, 0.5 * config.conflict_offset_m)
+            else:
+                horizontal = signed(uniform(key, STREAM_SAMPLER, at + 5), law.offset_min_m, law.offset_max_m)
+                vertical = signed(uniform(key, STREAM_SAMPLER, at + 6), 0.0, config.vertical_offset_m)
+            if config.planar:
+                vertical = 0.0
+            turn_s = TURN_LATEST_S + (TURN_EARLIEST_S - TURN_LATEST_S) * uniform(key, STREAM_SAMPLER, at + 7)
+            turn = signed(uniform(key, STREAM_SAMPLER, at + 8), law.turn_min_rad, law.turn_max_rad)
+            # The agent's state at the closest approach: drawn with the first intruder, given for the others.
+            if k == 0:
+                own_heading = 2.0 * pi * uniform(key, STREAM_SAMPLER, at + 9)
+                own_speed = config.cruise_min_mps + speed_span * uniform(key, STREAM_SAMPLER, at + 10)
+                ovx, ovy = own_speed * cos(own_heading), own_speed * sin(own_heading)
+                ox, oy, oz = 0.0, 0.0, config.altitude_m
+            else:
+                # Another time on the agent's path; its leg there gives position and heading.
+                own_s = config.time_to_approach_max_s * uniform(key, STREAM_SAMPLER, at + 9)
+                ox, oy, oz, ovx, ovy, _ = planned(agent, leg_at(agent, 0, own_s), own_s)
+                own_speed = sqrt(ovx * ovx + ovy * ovy)
+            c, s = cos(crossing), sin(crossing)
+            ux, uy = ovx / own_speed, ovy / own_speed
+            dx, dy = ux * c - uy * s, uy * c + ux * s  # the intruder's direction
+            rx, ry = speed * dx - ovx, speed * dy - ovy
+            closing = sqrt(rx * rx + ry * ry)
+            if closing < config.closing_min_mps:
+                continue
+            approach_s = start_m / closing if k == 0 else own_s
+            if approach_s > config.time_to_approach_max_s:
+                continue
+            # Miss perpendicular to the relative velocity, so that this is the closest approach.
+            ix, iy = ox - horizontal * ry / closing, oy + horizontal * rx / closing
+            iz = oz + vertical
+            own_end_s = approach_s + config.tail_s
+            if k == 0:
+                own_turn_s = TURN_LATEST_S + (TURN_EARLIEST_S - TURN_LATEST_S) * uniform(key, STREAM_SAMPLER, at + 11)
+                own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.turn_min_rad, law.turn_max_rad)
+                lay_path(agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s, min(own_turn_s, 0.6 * approach_s), own_turn)
+            ivx, ivy = speed * dx, speed * dy
+            lay_path(intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s, min(turn_s, 0.6 * approach_s), turn)
+            start = start_separation_m(agent, intruder)
+            # An offset lengthens the start range by the miss distance; the limits are on the range along the approach.
+            miss_squared = horizontal * horizontal + vertical * vertical
+            low, high = config.start_min_m, sqrt(config.start_max_m * config.start_max_m + miss_squared)
+            least = least_planned_separation_m(agent, intruder, own_end_s)
+            if start < low - 1e-6 or start > high + 1e-6 or least < sqrt(miss_squared) - 0.1:
+                continue
+            accepted = True
+            if k == 0:
+                family_index, first_approach_s = law_index, approach_s
+            end_s = max(end_s, own_end_s)
+            break
+        if not accepted:
+            return -1, 0.0, 0.0
+    return family_index, first_approach_s, end_s

@@ -1,0 +1,429 @@
+"""Every number of the world, as frozen dataclasses with the unit in the name.
+
+`Params` groups them; `Params.of(**keywords)` sets any field of any group by its name, `Params.from_dict` reads what
+`Params.to_dict` wrote, so that the parameters travel in a JSON environment spec. Derived values are properties.
+Wrong names, types and ranges raise `ParamsError` (a `ValueError`) in one sentence.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import os
+import tomllib
+import types
+import typing
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, Self
+
+PRESETS_FOLDER = Path(__file__).parent / "presets"
+
+Track = Literal["oracle", "paper", "range"]
+Estimator = Literal["ekf-coloured", "ekf-white", "ls"]
+Localisation = Literal["gnss", "rss", "dead-reckoning"]
+ActionKind = Literal["displacement", "velocity", "discrete"]
+ZoneKind = Literal["fixed", "adaptive"]
+
+MAX_INTRUDERS = 8
+
+
+class ParamsError(ValueError):
+    """A parameter that is unknown, of the wrong type, out of its range, or in contradiction with another."""
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """End of an error sentence about an unknown name: the nearest known one and the list of all."""
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    return (f"; did you mean {near[0]!r}?" if near else ";") + f" known: {', '.join(names)}"
+
+
+def number(default: float, low: float, high: float) -> Any:
+    """A dataclass field that must be a finite number in [low, high]."""
+    return field(default=default, metadata={"low": low, "high": high})
+
+
+def choice(default: str | None, kind: Any) -> Any:
+    """A dataclass field that must be one of the strings of the `Literal` `kind` (or None if that is the default)."""
+    return field(default=default, metadata={"known": typing.get_args(kind)})
+
+
+class Group:
+    """A frozen dataclass whose fields check themselves."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Check every field against its declared range."""
+        for item in dataclasses.fields(self):  # type: ignore[arg-type]
+            self._check(item)
+
+    def _check(self, item: dataclasses.Field[Any]) -> None:
+        value, meta = getattr(self, item.name), item.metadata
+        if "known" in meta:
+            if value is None and item.default is None:
+                return
+            if not isinstance(value, str) or value not in meta["known"]:
+                raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), meta['known'])}")
+        elif "low" in meta:
+            whole = isinstance(item.default, int) and not isinstance(item.default, bool)
+            if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
+                kind = "a whole number" if whole else "a number"
+                raise ParamsError(f"{item.name} must be {kind}, got {value!r}")
+            if not (math.isfinite(value) and meta["low"] <= value <= meta["high"]):
+                raise ParamsError(f"{item.name} must be in [{meta['low']:g}, {meta['high']:g}], got {value!r}")
+            if not whole:
+                object.__setattr__(self, item.name, float(value))
+        elif isinstance(item.default, bool) and not isinstance(value, bool):
+            raise ParamsError(f"{item.name} must be true or false, got {value!r}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields as plain JSON types."""
+        return _plain(dataclasses.asdict(self))  # type: ignore[call-overload, no-any-return]
+
+    def replace(self, **changes: Any) -> Self:
+        """A copy with some fields changed; unknown names raise `ParamsError`."""
+        _refuse_unknown(type(self).__name__, changes, (f.name for f in dataclasses.fields(self)))  # type: ignore[arg-type]
+        return dataclasses.replace(self, **changes)  # type: ignore[type-var, no-any-return]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    return [_plain(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def _refuse_unknown(where: str, given: Iterable[str], known: Iterable[str]) -> None:
+    names = list(known)
+    for name in given:
+        if name not in names:
+            raise ParamsError(f"{where} has no parameter {name!r}{suggestion(str(name), names)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clock(Group):
+    """Periods of the radio and of the policy, and how long a flight goes on after the closest approach."""
+
+    tick_s: float = number(0.1, 0.01, 1.0)
+    decision_s: float = number(0.5, 0.01, 10.0)
+    tail_s: float = number(30.0, 0.0, 300.0)
+
+    def __post_init__(self) -> None:
+        """Check that a decision is a whole number of ticks."""
+        Group.__post_init__(self)
+        ratio = self.decision_s / self.tick_s
+        if ratio < 0.999 or abs(ratio - round(ratio)) > 1e-6:
+            raise ParamsError(
+                f"decision_s must be a whole multiple of tick_s = {self.tick_s:g}, got {self.decision_s!r}"
+            )
+
+    @property
+    def ticks_per_decision(self) -> int:
+        """Radio ticks in one decision of the policy."""
+        return round(self.decision_s / self.tick_s)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Aircraft(Group):
+    """Limits of the point mass, its gusts and the weights of its autopilot, the regulator of (42)."""
+
+    speed_max_mps: float = number(5.0, 0.5, 50.0)
+    vertical_speed_max_mps: float = number(2.0, 0.1, 20.0)
+    acceleration_max_mps2: float = number(2.0, 0.1, 50.0)
+    gust_mps: float = number(0.2, 0.0, 5.0)
+    gust_tc_s: float = number(3.0, 0.1, 600.0)
+    regulator_position_weight: float = number(1.0, 1e-3, 1e3)
+    regulator_velocity_weight: float = number(1.0, 0.0, 1e3)
+    regulator_effort_weight: float = number(1.0, 1e-3, 1e3)
+
+    @property
+    def position_gain_ps2(self) -> float:
+        """k1 = sqrt(q / r) of the double integrator, 1/s^2."""
+        return math.sqrt(self.regulator_position_weight / self.regulator_effort_weight)
+
+    @property
+    def velocity_gain_ps(self) -> float:
+        """k2 = sqrt(2 k1 + qv / r), 1/s."""
+        return math.sqrt(2.0 * self.position_gain_ps2 + self.regulator_velocity_weight / self.regulator_effort_weight)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Encounter(Group):
+    """The published distribution of encounters; `families` names one family, several, or `mixed`."""
+
+    planar: bool = True
+    intruders: int = number(1, 1, MAX_INTRUDERS)
+    intruders_min: int = number(0, 0, MAX_INTRUDERS)  # 0: always `intruders`
+    families: str | tuple[str, ...] = "mixed"
+    cruise_min_mps: float = number(2.0, 0.2, 50.0)
+    cruise_max_mps: float = number(4.0, 0.2, 50.0)
+    closing_min_mps: float = number(1.5, 0.1, 50.0)
+    start_range_min: float = number(1.1, 0.5, 5.0)  # in start_range_unit_m
+    start_range_max: float = number(1.6, 0.5, 5.0)
+    start_range_unit_m: float = number(120.0, 10.0, 5000.0)
+    time_to_approach_max_s: float = number(75.0, 5.0, 600.0)
+    horizontal_offset_m: float = number(60.0, 5.0, 1000.0)
+    vertical_offset_m: float = number(20.0, 5.0, 1000.0)
+    conflict_offset_m: float = number(3.0, 0.0, 100.0)
+    altitude_m: float = number(20.0, 0.0, 5000.0)
+    altitude_band_m: float = number(15.0, 1.0, 1000.0)  # the way point stays this near the predefined altitude
+
+    def __post_init__(self) -> None:
+        """Check the order of limits and normalise `families`."""
+        Group.__post_init__(self)
+        for low, high in (("cruise_min_mps", "cruise_max_mps"), ("start_range_min", "start_range_max")):
+            if getattr(self, low) > getattr(self, high):
+                raise ParamsError(f"{low} = {getattr(self, low):g} must not exceed {high} = {getattr(self, high):g}")
+        if self.intruders_min > self.intruders:
+            raise ParamsError(f"intruders_min = {self.intruders_min} must not exceed intruders = {self.intruders}")
+        if 2.0 * self.cruise_max_mps < self.closing_min_mps:
+            raise ParamsError(
+                f"closing_min_mps = {self.closing_min_mps:g} can never be reached with cruise_max_mps = "
+                f"{self.cruise_max_mps:g}; it must be at most twice that"
+            )
+        names = [self.families] if isinstance(self.families, str) else self.families
+        if not isinstance(names, Sequence) or not names or not all(isinstance(name, str) for name in names):
+            raise ParamsError(f"families must be a name or a list of names, got {self.families!r}")
+        object.__setattr__(self, "families", names[0] if len(names) == 1 else tuple(names))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel(Group):
+    """One radio channel: path loss (2)-(3), white noise, and coloured noise (7)-(11) by its variance and time."""
+
+    path_loss_factor: float = number(2.7, 1.0, 8.0)
+    offset_dbm: float = number(-35.0, -150.0, 60.0)  # P_t + 10 log10 K: the RSS at 1 m
+    white_variance_db2: float = number(4.0, 0.0, 400.0)
+    coloured_variance_db2: float = number(4.0, 1e-6, 400.0)
+    coloured_tc_s: float = number(2.0, 0.01, 3600.0)
+    path_loss_wander: float = number(0.05, 0.0, 2.0)
+    path_loss_wander_tc_s: float = number(60.0, 0.1, 36000.0)
+    quantisation_db: float = number(0.0, 0.0, 20.0)
+    sensitivity_dbm: float = number(-200.0, -300.0, 0.0)
+    packet_loss: float = number(0.0, 0.0, 0.99)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ranging(Group):
+    """The estimator of range and its tuning; `ranging/` holds the filters, (12)-(21)."""
+
+    estimator: str = choice("ekf-coloured", Estimator)
+    process_noise_m2: float = number(16.0, 1e-6, 1e6)  # Var(w) a tick without psi
+    process_noise_psi_m2: float = number(1.0, 1e-6, 1e6)  # 2 Tv Delta sigma_v^2 of two broadcast velocities
+    bearing_inflation: float = number(20.0, 0.0, 1e4)  # the bearing's error persists over this many ticks
+    prior_range_m: float = number(160.0, 1.0, 1e4)
+    prior_std_m: float = number(60.0, 0.1, 1e4)
+    node_prior_range_m: float = number(150.0, 1.0, 1e4)
+    node_prior_std_m: float = number(100.0, 0.1, 1e4)
+    range_floor_m: float = number(0.3, 0.01, 10.0)
+    rate_tc_s: float = number(2.0, 0.1, 60.0)  # smoothing of the published range rate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Navigation(Group):
+    """How each side knows its own position, and the errors of these solutions."""
+
+    agent: str = choice("gnss", Localisation)
+    intruder: str = choice("rss", Localisation)
+    gnss_m: float = number(1.0, 0.0, 100.0)
+    gnss_vertical_m: float = number(2.0, 0.0, 100.0)
+    gnss_tc_s: float = number(30.0, 0.1, 3600.0)
+    barometer_m: float = number(1.0, 0.0, 100.0)
+    barometer_tc_s: float = number(60.0, 0.1, 3600.0)
+    barometer_datum_m: float = number(3.0, 0.0, 100.0)
+    velocity_mps: float = number(0.2, 0.0, 10.0)
+    velocity_tc_s: float = number(60.0, 0.1, 3600.0)
+    dead_reckoning_mps: float = number(0.1, 0.0, 10.0)
+    dead_reckoning_tc_s: float = number(60.0, 0.1, 3600.0)
+    node_square_m: float = number(120.0, 10.0, 5000.0)
+    node_height_low_m: float = number(0.0, 0.0, 500.0)
+    node_height_high_m: float = number(15.0, 0.0, 500.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Zone(Group):
+    """The safety zone (29)-(40), its warning with hysteresis, and the events on true states."""
+
+    zone: str = choice("fixed", ZoneKind)
+    range_error_m: float = number(4.0, 0.01, 1000.0)  # delta
+    range_error_probability: float = number(0.8, 0.01, 0.999)  # P(delta)
+    speed_relative_max_mps: float = number(10.0, 0.1, 100.0)
+    reaction_s: float = number(1.0, 0.01, 60.0)
+    collision_probability: float = number(1e-5, 1e-12, 0.5)
+    warning_close_ratio: float = number(1.2, 1.0, 5.0)
+    warning_close_s: float = number(2.0, 0.0, 60.0)
+    hover_s: float = number(5.0, 0.0, 60.0)
+    collision_m: float = number(4.5, 0.1, 100.0)
+    snmac_horizontal_m: float = number(15.24, 0.1, 1000.0)
+    snmac_vertical_m: float = number(4.57, 0.1, 1000.0)
+
+    @property
+    def trials(self) -> int:
+        """n_d of (37), rounded towards infinity."""
+        return math.ceil(math.log(self.collision_probability) / math.log(1.0 - self.range_error_probability) - 1e-12)
+
+    @property
+    def radius_m(self) -> float:
+        """S of (40) at the stated accuracy and relative speed."""
+        reach = self.range_error_m / self.range_error_probability + self.speed_relative_max_mps * self.reaction_s
+        return reach * self.trials
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface(Group):
+    """What the policy is told and how it commands: the part of the world a policy declares."""
+
+    track: str = choice("paper", Track)
+    action: str = choice("displacement", ActionKind)
+    reach_m: float = number(30.0, 0.1, 1000.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reward(Group):
+    """Weights of the reward: (42) on true states, a soft proximity cost, a collision cost."""
+
+    tracking_pm: float = number(0.02, 0.0, 100.0)  # q, per metre and decision
+    effort_spm: float = number(0.02, 0.0, 100.0)  # kappa, per m/s of velocity change
+    proximity: float = number(1.0, 0.0, 1e4)
+    comfort_m: float = number(35.0, 0.1, 1000.0)
+    collision: float = number(100.0, 0.0, 1e6)
+
+
+def presets() -> dict[str, Path]:
+    """The shipped channel presets: name -> TOML file."""
+    return {path.stem: path for path in sorted(PRESETS_FOLDER.glob("*.toml"))}
+
+
+def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -> Channel:
+    """A channel from a preset's name, a TOML file, a dict, or a `Channel` as it is.
+
+    Raises
+    ------
+    ParamsError
+        When no preset or file has that name, or the file is not a channel: the sentence names file, field and value.
+    """
+    if isinstance(source, Channel):
+        return source
+    if isinstance(source, Mapping):
+        _refuse_unknown("channel", source, (f.name for f in dataclasses.fields(Channel)))
+        return Channel(**source)
+    if not isinstance(source, (str, os.PathLike)):
+        raise ParamsError(f"channel must be a preset's name, a TOML file, a dict or a list of these, got {source!r}")
+    text, shipped = os.fspath(source), presets()
+    path = shipped.get(text) or Path(text)
+    if text not in shipped and not path.is_file():
+        if path.suffix == ".toml" or len(path.parts) > 1:
+            raise ParamsError(f"channel file {text!r} does not exist")
+        raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, shipped)}")
+    try:
+        if path.stat().st_size > 65536:
+            raise ParamsError(f"channel file {text!r} is larger than 64 KiB; a channel is a short TOML table")
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ParamsError(f"channel file {text!r} is not readable TOML: {error}") from error
+    try:
+        return load_channel(table.get("channel", {"missing [channel] table": None}))
+    except ParamsError as error:
+        raise ParamsError(f"channel file {text!r}: {error}") from error
+
+
+def _channels(value: Any) -> tuple[Channel, ...]:
+    items = value if isinstance(value, (list, tuple)) else [value]
+    if not items:
+        raise ParamsError("channel list is empty; name at least one preset or file")
+    return tuple(load_channel(item) for item in items)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params(Group):
+    """All parameters of the world. Fields are the groups above; `channels` are drawn from once per episode."""
+
+    clock: Clock = field(default_factory=Clock)
+    aircraft: Aircraft = field(default_factory=Aircraft)
+    encounter: Encounter = field(default_factory=Encounter)
+    channels: tuple[Channel, ...] = field(default_factory=lambda: (load_channel("paper"),))
+    ranging: Ranging = field(default_factory=Ranging)
+    navigation: Navigation = field(default_factory=Navigation)
+    zone: Zone = field(default_factory=Zone)
+    interface: Interface = field(default_factory=Interface)
+    reward: Reward = field(default_factory=Reward)
+
+    def __post_init__(self) -> None:
+        """Check the groups' types and the contradictions between them."""
+        for item in dataclasses.fields(self):
+            if item.name != "channels" and not isinstance(getattr(self, item.name), _GROUPS[item.name]):
+                raise ParamsError(f"params.{item.name} must be a {_GROUPS[item.name].__name__}")
+        object.__setattr__(self, "channels", _channels(self.channels))
+        nav = self.navigation
+        if self.interface.track == "range" and "rss" in (nav.agent, nav.intruder):
+            raise ParamsError(
+                "track 'range' has fewer than three reference nodes and exchanges no position, so agent and intruder "
+                f"must be 'dead-reckoning' or 'gnss', got agent = {nav.agent!r}, intruder = {nav.intruder!r}"
+            )
+        if self.encounter.cruise_max_mps >= self.aircraft.speed_max_mps:
+            raise ParamsError(
+                f"cruise_max_mps = {self.encounter.cruise_max_mps:g} must be below speed_max_mps = "
+                f"{self.aircraft.speed_max_mps:g}, or the aircraft cannot regain its path"
+            )
+
+    @classmethod
+    def of(cls, params: Params | Mapping[str, Any] | None = None, **keywords: Any) -> Params:
+        """`params` (the dataclass, its dict, or the defaults) with any field of any group set by its own name.
+
+        `channel=` takes a preset's name, a TOML file, a dict, or a list of these.
+
+        Raises
+        ------
+        ParamsError
+            For an unknown name (with the nearest known one), a wrong type or range, or a contradiction.
+        """
+        base = params if isinstance(params, Params) else cls.from_dict(params) if params is not None else cls()
+        _refuse_unknown("rss_gym", keywords, [*_OWNER, "channel"])
+        changes: dict[str, Any] = {}
+        if "channel" in keywords:
+            changes["channels"] = _channels(keywords.pop("channel"))
+        for name, value in keywords.items():
+            group = _OWNER[name]
+            changes[group] = changes.get(group, getattr(base, group)).replace(**{name: value})
+        # Fewer than three nodes leave nobody an `rss` solution: the range track implies dead reckoning unless told.
+        if keywords.get("track") == "range":
+            navigation = changes.get("navigation", base.navigation)
+            sides = {side: "dead-reckoning" for side in ("agent", "intruder") if side not in keywords}
+            changes["navigation"] = navigation.replace(**sides)
+        return dataclasses.replace(base, **changes) if changes else base
+
+    @classmethod
+    def from_dict(cls, table: Mapping[str, Any]) -> Params:
+        """The parameters that `to_dict` wrote; missing groups and fields keep their defaults."""
+        if not isinstance(table, Mapping):
+            raise ParamsError(f"params must be a Params or the dict it becomes in JSON, got {type(table).__name__}")
+        _refuse_unknown("params", table, [*_GROUPS, "channels"])
+        groups: dict[str, Any] = {}
+        for name, value in table.items():
+            if name == "channels":
+                groups[name] = _channels(value)
+            elif isinstance(value, Mapping):
+                _refuse_unknown(f"params.{name}", value, (f.name for f in dataclasses.fields(_GROUPS[name])))
+                groups[name] = _GROUPS[name](**value)
+            else:
+                raise ParamsError(f"params.{name} must be a table, got {value!r}")
+        return cls(**groups)
+
+
+_GROUPS: dict[str, Any] = {
+    "clock": Clock,
+    "aircraft": Aircraft,
+    "encounter": Encounter,
+    "ranging": Ranging,
+    "navigation": Navigation,
+    "zone": Zone,
+    "interface": Interface,
+    "reward": Reward,
+}
+# Field names are unique over the groups (tested), so a keyword needs no group.
+_OWNER = types.MappingProxyType(
+    {f.name: name for name, group in _GROUPS.items() for f in dataclasses.fields(group)}
+)

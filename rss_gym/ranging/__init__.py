@@ -1,0 +1,9 @@
+"""Estimators of range from RSS: one file each, pure kernels; `RANGE_ESTIMATORS` gives each its code in the records."""
+
+from typing import Final
+
+COLOURED: Final = 0
+WHITE: Final = 1
+LEAST_SQUARES: Final = 2
+
+RANGE_ESTIMATORS: dict[str, int] = {"ekf-coloured": COLOURED, "ekf-white": WHITE, "ls": LEAST_SQUARES}

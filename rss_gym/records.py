@@ -1,0 +1,287 @@
+"""The world's state as NumPy record arrays, one row per environment, and the parameters as one record for the kernels.
+
+Every array of `World` has the batch as its first axis. Columns: aircraft 0 is the agent, 1..K the intruders in ID
+order (lowest ID first); link k < K ranges agent and intruder k, link K + 4 a + j ranges aircraft a and reference node
+j; contact k is what the agent has heard of intruder k.
+"""
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from rss_gym.params import MAX_INTRUDERS, Params
+from rss_gym.ranging import RANGE_ESTIMATORS
+
+NODES: Final = 4  # reference nodes
+MAX_WAY_POINTS: Final = 8
+
+# Codes of the choices in `params`.
+ORACLE, PAPER, RANGE = 0, 1, 2
+TRACKS = {"oracle": ORACLE, "paper": PAPER, "range": RANGE}
+GNSS, RSS, DEAD_RECKONING = 0, 1, 2
+LOCALISATIONS = {"gnss": GNSS, "rss": RSS, "dead-reckoning": DEAD_RECKONING}
+DISPLACEMENT, VELOCITY, DISCRETE = 0, 1, 2
+ACTIONS = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "discrete": DISCRETE}
+
+f8, i8, u8, b1 = np.float64, np.int64, np.uint64, np.bool_
+
+EPISODE = np.dtype(
+    [
+        ("seed", u8),
+        ("number", u8),
+        ("split", i8),
+        ("key", u8),
+        ("channel", i8),  # index into World.channels
+        ("family", i8),
+        ("intruders", i8),  # present; the other rows are absent
+        ("tick", i8),
+        ("ticks", i8),  # length of the flight
+        ("approach_s", f8),  # time of the first intruder's planned closest approach
+        ("min_separation_m", f8),
+        ("collision", b1),
+        ("snmac", b1),
+        ("zone", b1),
+        ("terminated", b1),
+        ("truncated", b1),
+        ("deviation_m", f8),  # |u - u^d|, mean over the last decision
+        ("deviation_max_m", f8),
+        ("warned_s", f8),  # time of the first warning, -1 before it
+        # Terms of the last decision's reward, and its safety cost
+        ("reward_tracking", f8),
+        ("reward_effort", f8),
+        ("reward_proximity", f8),
+        ("reward_collision", f8),
+        ("cost", f8),
+    ]
+)
+
+AIRCRAFT = np.dtype(
+    [
+        ("position_m", f8, 3),
+        ("velocity_mps", f8, 3),
+        ("gust_mps", f8, 3),
+        ("way_point_m", f8, 3),  # commanded
+        # The predefined trajectory: way points, the time each is due, the leg being flown
+        ("path_m", f8, (MAX_WAY_POINTS, 3)),
+        ("path_s", f8, MAX_WAY_POINTS),
+        ("path_points", i8),
+        ("leg", i8),
+        ("held_s", f8),  # time spent in a hover
+        ("hover_until_s", f8),
+        ("planned_m", f8, 3),  # u^d now
+        ("planned_mps", f8, 3),
+        ("along", f8, 3),  # unit vector of the current leg, horizontal
+        # Errors of the navigation solution, and the solution
+        ("gnss_error_m", f8, 3),
+        ("velocity_error_mps", f8, 3),
+        ("drift_m", f8, 3),
+        ("barometer_error_m", f8),
+        ("datum_error_m", f8),
+        ("solution_m", f8, 3),
+        ("solution_mps", f8, 3),
+        ("solution_std_m", f8),
+    ]
+)
+
+LINK = np.dtype(
+    [
+        ("coloured_db", f8),  # true coloured noise
+        ("wander", f8),  # true path loss factor minus the channel's
+        ("range_m", f8),  # the filter's state and covariance
+        ("coloured_hat_db", f8),
+        ("p_dd", f8),
+        ("p_dp", f8),
+        ("p_pp", f8),
+        ("rate_mps", f8),
+    ]
+)
+
+CONTACT = np.dtype(
+    [
+        ("radius_m", f8),  # S_ij in force
+        ("warning", b1),
+        ("clear_s", f8),  # time since the range was last below the closing threshold
+        ("streak", i8),  # consecutive ticks with (29)
+        ("hovered", b1),
+        # The held message: the sender's own solution
+        ("valid", b1),
+        ("age_s", f8),
+        ("position_m", f8, 3),
+        ("velocity_mps", f8, 3),
+        ("way_point_m", f8, 3),
+        ("std_m", f8),
+    ]
+)
+
+CHANNEL = np.dtype(
+    [
+        ("path_loss_factor", f8),
+        ("offset_dbm", f8),
+        ("white_std_db", f8),
+        ("white_variance_db2", f8),  # R of the filter: white noise and quantisation
+        ("coloured_std_db", f8),
+        ("coloured_variance_db2", f8),
+        ("coloured_decay", f8),  # a = e^{lambda Delta}
+        ("coloured_drive_db", f8),  # sigma_w2
+        ("wander_std", f8),
+        ("wander_decay", f8),
+        ("wander_drive", f8),
+        ("quantisation_db", f8),
+        ("sensitivity_dbm", f8),
+        ("packet_loss", f8),
+    ]
+)
+
+FAMILY = np.dtype(
+    [
+        ("weight", f8),  # cumulative
+        ("conflict_share", f8),
+        ("crossing_min_rad", f8),
+        ("crossing_max_rad", f8),
+        ("offset_min_m", f8),
+        ("offset_max_m", f8),
+        ("turns", b1),
+        ("turn_min_rad", f8),
+        ("turn_max_rad", f8),
+    ]
+)
+
+_CONFIG_FLOATS = (
+    "tick_s decision_s tail_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps gust_decay "
+    "gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps start_min_m "
+    "start_max_m time_to_approach_max_s horizontal_offset_m vertical_offset_m conflict_offset_m altitude_m "
+    "altitude_band_m process_noise_m2 process_noise_psi_m2 bearing_inflation prior_range_m prior_std_m node_prior_range_m "
+    "node_prior_std_m range_floor_m "
+    "rate_gain gnss_m gnss_vertical_m gnss_decay gnss_drive barometer_m barometer_decay barometer_drive "
+    "barometer_datum_m velocity_error_mps velocity_decay velocity_drive drift_mps drift_decay drift_drive "
+    "radius_m range_error_probability reaction_s warning_close_ratio warning_close_s hover_s collision_m "
+    "snmac_horizontal_m snmac_vertical_m reach_m tracking_pm effort_spm proximity comfort_m collision"
+).split()
+_CONFIG_INTS = (
+    "ticks_per_decision intruders intruders_min estimator agent_localisation intruder_localisation track action "
+    "trials".split()
+)
+CONFIG = np.dtype(
+    [(name, f8) for name in _CONFIG_FLOATS]
+    + [(name, i8) for name in _CONFIG_INTS]
+    + [("planar", b1), ("zone_adaptive", b1), ("nodes_m", f8, (NODES, 3))]
+)
+
+
+class World(NamedTuple):
+    """State of a batch of n environments with K intruder rows."""
+
+    config: Any  # (1,) CONFIG
+    channels: Any  # (c,) CHANNEL, drawn from per episode
+    families: Any  # (f,) FAMILY
+    episode: Any  # (n,) EPISODE
+    aircraft: Any  # (n, 1 + K) AIRCRAFT
+    links: Any  # (n, K + NODES (1 + K)) LINK
+    contacts: Any  # (n, K) CONTACT
+    tick_normals: Any  # (n, 2 links, 4) the standard normals of four ticks
+    decision_normals: Any  # (n, links + 10 (1 + K), 4) the standard normals of four decisions
+
+
+def allocate(params: Params, families: np.ndarray, n: int) -> World:
+    """A world of `n` rows that are all still to be reset."""
+    k = params.encounter.intruders
+    links = k + NODES * (1 + k)
+    return World(
+        config=config(params),
+        channels=channels(params),
+        families=families,
+        episode=np.zeros(n, EPISODE),
+        aircraft=np.zeros((n, 1 + k), AIRCRAFT),
+        links=np.zeros((n, links), LINK),
+        contacts=np.zeros((n, k), CONTACT),
+        tick_normals=np.zeros((n, 2 * links, 4)),
+        decision_normals=np.zeros((n, links + 10 * (1 + k), 4)),
+    )
+
+
+def _process(record: Any, name: str, std: float, period_s: float, tc_s: float) -> None:
+    """Write decay and driving standard deviation of one Gauss-Markov process into `record`."""
+    from rss_gym.physics.noise import decay, driving_std
+
+    a = decay(period_s, tc_s)
+    record[f"{name}_decay"] = a
+    record[f"{name}_drive" if f"{name}_drive" in record.dtype.names else f"{name}_drive_mps"] = driving_std(
+        std * std, a
+    )
+
+
+def config(params: Params) -> np.ndarray:
+    """The parameters and what the kernels derive from them, as one record. Shape (1,)."""
+    p, out = params, np.zeros(1, CONFIG)
+    record = out[0]
+    for group in (p.clock, p.aircraft, p.encounter, p.ranging, p.navigation, p.zone, p.interface, p.reward):
+        for name in group.__slots__:
+            if name in _CONFIG_FLOATS or name in ("intruders", "intruders_min", "planar"):
+                record[name] = getattr(group, name)
+    unit_m = p.encounter.start_range_unit_m
+    record["start_min_m"], record["start_max_m"] = (
+        unit_m * p.encounter.start_range_min,
+        unit_m * p.encounter.start_range_max,
+    )
+    record["ticks_per_decision"] = p.clock.ticks_per_decision
+    record["position_gain_ps2"] = p.aircraft.position_gain_ps2
+    record["velocity_gain_ps"] = p.aircraft.velocity_gain_ps
+    record["intruders_min"] = p.encounter.intruders_min or p.encounter.intruders
+    record["rate_gain"] = p.clock.tick_s / (p.clock.tick_s + p.ranging.rate_tc_s)
+    record["radius_m"], record["trials"] = p.zone.radius_m, p.zone.trials
+    record["zone_adaptive"] = p.zone.zone == "adaptive"
+    record["estimator"] = RANGE_ESTIMATORS[p.ranging.estimator]
+    record["track"], record["action"] = TRACKS[p.interface.track], ACTIONS[p.interface.action]
+    record["agent_localisation"] = LOCALISATIONS[p.navigation.agent]
+    record["intruder_localisation"] = LOCALISATIONS[p.navigation.intruder]
+    nav, period_s = p.navigation, p.clock.decision_s
+    record["velocity_error_mps"], record["drift_mps"] = nav.velocity_mps, nav.dead_reckoning_mps
+    _process(record, "gust", p.aircraft.gust_mps, period_s, p.aircraft.gust_tc_s)
+    _process(record, "gnss", 1.0, period_s, nav.gnss_tc_s)
+    _process(record, "barometer", nav.barometer_m, period_s, nav.barometer_tc_s)
+    _process(record, "velocity", nav.velocity_mps, period_s, nav.velocity_tc_s)
+    _process(record, "drift", nav.dead_reckoning_mps, period_s, nav.dead_reckoning_tc_s)
+    half_m = 0.5 * nav.node_square_m
+    low_m, high_m = nav.node_height_low_m, nav.node_height_high_m
+    record["nodes_m"] = [
+        [-half_m, -half_m, low_m],
+        [half_m, -half_m, high_m],
+        [half_m, half_m, low_m],
+        [-half_m, half_m, high_m],
+    ]
+    return out
+
+
+def channels(params: Params) -> np.ndarray:
+    """The channels and what the kernels derive from them. Shape (c,)."""
+    out = np.zeros(len(params.channels), CHANNEL)
+    for record, channel in zip(out, params.channels, strict=True):
+        for name in ("path_loss_factor", "offset_dbm", "coloured_variance_db2", "quantisation_db", "sensitivity_dbm"):
+            record[name] = getattr(channel, name)
+        record["packet_loss"] = channel.packet_loss
+        record["white_std_db"] = np.sqrt(channel.white_variance_db2)
+        # The rounding error of a quantiser is uniform: variance step^2 / 12. A floor keeps the filter's R positive.
+        record["white_variance_db2"] = max(channel.white_variance_db2 + channel.quantisation_db**2 / 12.0, 1e-6)
+        record["coloured_std_db"], record["wander_std"] = np.sqrt(channel.coloured_variance_db2), channel.path_loss_wander
+        _process(record, "wander", channel.path_loss_wander, params.clock.decision_s, channel.path_loss_wander_tc_s)
+        from rss_gym.physics.noise import decay, driving_std
+
+        a = decay(params.clock.tick_s, channel.coloured_tc_s)
+        record["coloured_decay"], record["coloured_drive_db"] = a, driving_std(channel.coloured_variance_db2, a)
+    return out
+
+
+# Streams of the counter-based noise. A value is a function of (episode key, stream, index) alone, so it does not
+# depend on the policy, on the number of intruders, or on how anybody is localised.
+STREAM_TICK: Final = 0  # + 2 g + (0 coloured, 1 white), index: tick
+STREAM_LOSS: Final = 100  # + g, index: tick
+STREAM_WANDER: Final = 200  # + g, index: decision
+STREAM_AIRCRAFT: Final = 300  # + 10 a + (0-2 gust, 3-5 GNSS, 6-8 velocity, 9 barometer), index: decision
+STREAM_START_LINK: Final = 500  # + g, index: 0 coloured, 1 wander
+STREAM_START_AIRCRAFT: Final = 600  # + a, index: as 10 above, then 10 datum
+STREAM_SAMPLER: Final = 700
+
+
+def global_link(k: int, link: int) -> int:
+    """g, the number of `link` that its streams carry: the same whatever the number K = `k` of intruders."""
+    return link if link < k else MAX_INTRUDERS + link - k

@@ -1,0 +1,78 @@
+"""What the shells hold for rendering: histories of the rows to draw, and the window. Idle without a render mode."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rss_gym.params import ParamsError, suggestion
+
+RENDER_FPS = 10
+
+
+class Painter:
+    """Frames of the rows of a batch.
+
+    Parameters
+    ----------
+    mode : str or None
+        A render mode of `metadata`; None records and draws nothing.
+    metadata : dict
+        The environment's.
+    rows : int
+        Rows to record.
+    """
+
+    def __init__(self, mode: str | None, metadata: dict[str, Any], rows: int = 1) -> None:
+        if mode is not None and mode not in metadata["render_modes"]:
+            raise ParamsError(f"render_mode {mode!r} is unknown{suggestion(str(mode), metadata['render_modes'])}")
+        self.mode, self.recorders, self.window = mode, [], None
+        if mode is not None:
+            from rss_gym.render.recorder import Recorder
+
+            self.recorders = [Recorder() for _ in range(rows)]
+
+    def restart(self, batch: Any, mask: np.ndarray | None = None) -> None:
+        """Forget the history of the rows of `mask` (default: all): a new episode begins."""
+        for row, recorder in enumerate(self.recorders):
+            if mask is None or mask[row]:
+                recorder.reset(batch, row)
+        self._show(batch)
+
+    def follow(self, batch: Any, mask: np.ndarray | None = None) -> None:
+        """Add the decision just flown to the history of the rows of `mask` (default: all)."""
+        for row, recorder in enumerate(self.recorders):
+            if mask is None or mask[row]:
+                recorder.append(batch, row)
+        self._show(batch)
+
+    def render(self, batch: Any) -> np.ndarray | None:
+        """Frame of row 0 for `rgb_array`; None for `human`, whose window is refreshed at every step."""
+        if self.mode != "rgb_array":
+            return None
+        return self._frame(batch, 0)
+
+    def render_all(self, batch: Any) -> tuple[np.ndarray, ...] | None:
+        """One frame a row, or None without a render mode."""
+        return tuple(self._frame(batch, row) for row in range(len(self.recorders))) if self.recorders else None
+
+    def close(self) -> None:
+        """Close the window."""
+        if self.window is not None:
+            self.window.close()
+            self.window = None
+
+    def _frame(self, batch: Any, row: int) -> np.ndarray:
+        from rss_gym.render import draw
+
+        return draw(self.recorders[row].scene(batch, row))
+
+    def _show(self, batch: Any) -> None:
+        if self.mode != "human":
+            return
+        if self.window is None:
+            from rss_gym.render.window import Window
+
+            self.window = Window()
+        self.window.show(self._frame(batch, 0), RENDER_FPS)

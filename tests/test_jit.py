@@ -1,0 +1,123 @@
+"""The kernel decorator: where code is cached, and that callees are not stale."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+from rss_gym import jit
+
+REPOSITORY = Path(jit.__file__).resolve().parents[1]
+RUN = "import tiny.a as a; print(a.outer(1.0), sum(a.outer.stats.cache_hits.values()))"
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A package in which a kernel calls a kernel of another file."""
+    root = tmp_path / "tiny"
+    root.mkdir()
+    (root / "__init__.py").write_text("")
+    (root / "a.py").write_text(
+        "from rss_gym.jit import kernel\nfrom tiny.b import inner\n@kernel\ndef outer(x):\n    return inner(x) + 1.0\n"
+    )
+    _write_callee(root, "2.0")
+    return root
+
+
+def _write_callee(root, factor):
+    (root / "b.py").write_text(
+        f'from rss_gym.jit import kernel\n@kernel(inline="never")\ndef inner(x):\n    return {factor} * x\n'
+    )
+
+
+def _run(package):
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA_")}
+    environment["PYTHONPATH"] = os.pathsep.join([str(package.parent), str(REPOSITORY)])
+    environment["XDG_CACHE_HOME"] = str(package.parent / "cache")
+    environment["LOCALAPPDATA"] = environment["XDG_CACHE_HOME"]
+    result = subprocess.run(
+        [sys.executable, "-c", RUN],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    value, hits = result.stdout.split()
+    return float(value), int(hits)
+
+
+def test_edited_callee_is_recompiled(package):
+    assert _run(package) == (3.0, 0)
+    assert _run(package) == (3.0, 1)
+    _write_callee(package, "5.25")
+    assert _run(package) == (6.25, 0)
+    assert len(list((package.parent / "cache" / "tiny").iterdir())) == 2
+
+
+def test_setting_is_restored(monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "before")
+    seen = []
+
+    def spy(**options):
+        seen.append((numba.config.CACHE_DIR, options))
+        return lambda function: function
+
+    monkeypatch.setattr(numba, "njit", spy)
+    jit.kernel(lambda x: x)
+    jit.kernel(inline="always")(lambda x: x)
+    assert numba.config.CACHE_DIR == "before"
+    assert all(folder not in ("", "before") for folder, _ in seen)
+    rules = {"cache": True, "fastmath": False, "error_model": "numpy"}
+    assert [options for _, options in seen] == [rules, {**rules, "inline": "always"}]
+
+
+def test_setting_is_restored_after_an_error(monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "before")
+
+    def fail(**options):
+        raise RuntimeError
+
+    monkeypatch.setattr(numba, "njit", fail)
+    with pytest.raises(RuntimeError):
+        jit.kernel(lambda x: x)
+    assert numba.config.CACHE_DIR == "before"
+
+
+def test_digest_follows_names_sources_and_links(package, tmp_path):
+    digests = [jit._digest(package)]
+    _write_callee(package, "3.0")
+    digests.append(jit._digest(package))
+    (package / "b.py").rename(package / "c.py")
+    digests.append(jit._digest(package))
+    linked = tmp_path / "elsewhere"
+    linked.mkdir()
+    (linked / "d.py").write_text("1")
+    try:
+        (package / "sub").symlink_to(linked, target_is_directory=True)
+    except OSError:
+        pytest.skip("no symbolic links here")
+    digests.append(jit._digest(package))
+    (linked / "d.py").write_text("2")
+    digests.append(jit._digest(package))
+    assert len(set(digests)) == 5
+    (package / "notes.txt").write_text("not code")
+    assert jit._digest(package) == digests[-1]
+
+
+def test_user_setting_and_fallback(package, tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "mine"))
+    jit.cache_dir.cache_clear()
+    folder = Path(jit.cache_dir(package))
+    assert folder.parent == tmp_path / "mine" / "tiny"
+    assert folder.is_dir()
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
+    monkeypatch.setattr(jit.tempfile, "gettempdir", lambda: str(tmp_path / "temp"))
+    jit.cache_dir.cache_clear()
+    folder = Path(jit.cache_dir(package))
+    assert folder.is_relative_to(tmp_path / "temp")
+    assert folder.is_dir()
+    jit.cache_dir.cache_clear()
