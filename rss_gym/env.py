@@ -41,14 +41,50 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
 
     ## Observation space
 
-    A flat `Box` of named fields, float32, each divided by its scale and clipped. The columns depend on the parameters:
-    `rss_gym.observation.fields(params)` is the table, `rss_gym.observation.split` the way back to SI units.
+    A flat `Box` of named fields, float32: a value divided by its scale, clipped to [low, high]. These are the columns
+    in space, on track `paper`, with one intruder; each further intruder adds those of `intruder_0`.
 
-    | Field | Unit | Scale | Low | High | Meaning |
-    |---|---|---|---|---|---|
-    {fields}
+    | Num | Field | Unit | Scale | Low | High | Meaning |
+    |---|---|---|---|---|---|---|
+    | 0 | `track_error_along_m` | m | 30 | -3 | 3 | own solution minus predefined trajectory |
+    | 1 | `track_error_right_m` | m | 30 | -3 | 3 | own solution minus predefined trajectory |
+    | 2 | `track_error_up_m` | m | 30 | -3 | 3 | own solution minus predefined trajectory |
+    | 3 | `way_point_along_m` | m | 30 | -3 | 3 | commanded way point minus predefined trajectory |
+    | 4 | `way_point_right_m` | m | 30 | -3 | 3 | commanded way point minus predefined trajectory |
+    | 5 | `way_point_up_m` | m | 30 | -3 | 3 | commanded way point minus predefined trajectory |
+    | 6 | `velocity_along_mps` | m/s | 5 | -3 | 3 | own velocity, own solution |
+    | 7 | `velocity_right_mps` | m/s | 5 | -3 | 3 | own velocity, own solution |
+    | 8 | `velocity_up_mps` | m/s | 5 | -3 | 3 | own velocity, own solution |
+    | 9 | `cruise_mps` | m/s | 5 | 0 | 3 | speed of the predefined trajectory |
+    | 10 | `progress` | 1 | 1 | 0 | 1 | time flown over length of the flight |
+    | 11 | `turn_in_s` | s | 20 | 0 | 3 | time to the next turn of the predefined trajectory, or the limit |
+    | 12 | `turn_cos` | 1 | 1 | -1 | 1 | cosine of that turn, 1 without one |
+    | 13 | `turn_sin` | 1 | 1 | -1 | 1 | sine of that turn, positive to the right |
+    | 14 | `intruder_0.present` | 1 | 1 | 0 | 1 | 1 if this intruder exists; the row is zero otherwise |
+    | 15 | `intruder_0.range_m` | m | 120 | 0 | 3 | estimated range |
+    | 16 | `intruder_0.range_std_m` | m | 60 | 0 | 3 | its standard deviation according to the filter |
+    | 17 | `intruder_0.coloured_db` | dB | 10 | -3 | 3 | estimated coloured noise of the link |
+    | 18 | `intruder_0.path_loss_factor` | 1 | 4 | 0 | 3 | path loss factor that the filter holds |
+    | 19 | `intruder_0.range_rate_mps` | m/s | 10 | -3 | 3 | smoothed rate of the estimated range |
+    | 20 | `intruder_0.zone_radius_m` | m | 120 | 0 | 3 | radius S of the safety zone in force |
+    | 21 | `intruder_0.margin_m` | m | 120 | -3 | 3 | estimated range minus zone radius |
+    | 22 | `intruder_0.warning` | 1 | 1 | 0 | 1 | 1 while the warning is open |
+    | 23 | `intruder_0.streak` | 1 | 1 | 0 | 1 | consecutive ticks inside the zone over n_d |
+    | 24 | `intruder_0.message_valid` | 1 | 1 | 0 | 1 | 1 once a message is held |
+    | 25 | `intruder_0.message_age_s` | s | 10 | 0 | 3 | age of the held message |
+    | 26 | `intruder_0.message_velocity_along_mps` | m/s | 5 | -3 | 3 | intruder's velocity, its own solution |
+    | 27 | `intruder_0.message_velocity_right_mps` | m/s | 5 | -3 | 3 | intruder's velocity, its own solution |
+    | 28 | `intruder_0.message_velocity_up_mps` | m/s | 5 | -3 | 3 | intruder's velocity, its own solution |
+    | 29 | `intruder_0.message_position_along_m` | m | 120 | -3 | 3 | intruder's announced position minus own solution |
+    | 30 | `intruder_0.message_position_right_m` | m | 120 | -3 | 3 | intruder's announced position minus own solution |
+    | 31 | `intruder_0.message_position_up_m` | m | 120 | -3 | 3 | intruder's announced position minus own solution |
+    | 32 | `intruder_0.message_way_point_along_m` | m | 120 | -3 | 3 | intruder's announced next way point minus own solution |
+    | 33 | `intruder_0.message_way_point_right_m` | m | 120 | -3 | 3 | intruder's announced next way point minus own solution |
+    | 34 | `intruder_0.message_way_point_up_m` | m | 120 | -3 | 3 | intruder's announced next way point minus own solution |
 
-    Absent intruders' fields are zero. Nothing here is a true state, except on track `oracle`.
+    Planar worlds have no `up` fields, track `range` no `message_position` and `message_way_point`. The table of any
+    world is `rss_gym.observation.fields(params)`; `rss_gym.observation.split` is the way back to SI units. Absent
+    intruders' fields are zero. Nothing here is a true state, except on track `oracle`.
 
     ## Rewards
 
@@ -58,8 +94,8 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     ## Starting state
 
     Both aircraft on their predefined trajectories, about 130-190 m apart, drawn from the families of encounters.
-    `reset(seed=s)` starts episode 0 of seed s; every later `reset()` the next one. `reset(options={{"split": "suite",
-    "episode": k}})` replays any episode of a split (`train`, `validation`, `suite`).
+    `reset(seed=s)` starts episode 0 of seed s; every later `reset()` the next one. `reset(options={"split": "suite",
+    "episode": k})` replays any episode of a split (`train`, `validation`, `suite`).
 
     ## Episode end
 
@@ -74,7 +110,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     ## Version history
 
     * v0: first version.
-    """
+    """  # noqa: E501 (the table)
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": RENDER_FPS}  # noqa: RUF012
 

@@ -39,6 +39,8 @@ def draw_altitudes(canvas: Canvas, scene: Scene) -> None:
     canvas.text(to_px(0, high) + canvas.px(6, 3), "altitude [m]", MUTED, "lt", halo=PAPER, small=True)
 
     for craft, colour in [(intruder, colour_of(intruder)) for intruder in scene.intruders] + [(scene.own, BLUE)]:
+        if craft is scene.own and np.isfinite(scene.planned_m[2]):
+            canvas.dashes(to_px([0, duration], scene.planned_m[2]), tint(BLUE, 0.6), 1.4)  # its legs are level
         flown = finite(craft.flown_m)[:, 2]
         now = to_px(scene.time_s, craft.position_m[2])
         curve = to_px(np.linspace(0.0, scene.time_s, len(flown)), flown)

@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 from rss_gym.render.style import GRID, Colour, Points
 
 Box = tuple[float, float, float, float]  # left, top, right and bottom [px]
+Sector = tuple[float, float]  # first and last angle, from right to down [rad]
+WHOLE: Sector = (0.0, 2 * math.pi)
 
-OVERSAMPLING = 2  # lines are drawn this many times larger, then averaged
+OVERSAMPLING = 3  # lines are drawn this many times larger, then averaged
 
 
 class Canvas:
@@ -43,15 +45,16 @@ class Canvas:
         """Whether a point lies on the canvas."""
         return bool((spot >= 0).all() and (spot < self.size_px).all())
 
-    def fill_ring(self, centre: Points, inner: float, outer: float, colour: Colour, opacity: float) -> None:
-        """Translucent ring. Fills and rules come before lines, which enlarge the picture."""
+    def fill_ring(
+        self, centre: Points, inner: float, outer: float, colour: Colour, opacity: float, sector: Sector = WHOLE
+    ) -> None:
+        """Translucent ring or sector of one. Fills and rules come before lines, which enlarge the picture."""
         far = self._far(centre)
         inner, outer = min(max(inner, 0.0), far), min(outer, far)
         if outer > inner:
-            outline = circle_points(centre, outer)
-            if inner > 0:
-                hole = circle_points(centre, inner)
-                outline = np.concatenate([outline, outline[:1], hole[:1], hole[::-1]])
+            outline = circle_points(centre, outer, sector)
+            if inner > 0 or sector != WHOLE:
+                outline = np.concatenate([outline, circle_points(centre, inner, sector)[::-1]])
             self._pen.polygon(outline.ravel().tolist(), fill=(*colour, round(255 * opacity)))
 
     def rule(self, at: float, axis: int) -> None:
@@ -85,16 +88,23 @@ class Canvas:
             if (piece.max(0) > 0).all() and (piece.min(0) < self.size_px).all():
                 self.line(piece, colour, width)
 
-    def circle(self, centre: Points, radius: float, colour: Colour, width: float, dashed: bool = False) -> None:
-        """Outline of a circle, left out where none of it can be seen."""
+    def circle(
+        self,
+        centre: Points,
+        radius: float,
+        colour: Colour,
+        width: float,
+        dashed: bool = False,
+        sector: Sector = WHOLE,
+    ) -> None:
+        """Outline of a circle or an arc of it, left out where none of the circle can be seen."""
         beyond = np.maximum(np.maximum(-centre, centre - self.size_px), 0.0)
         if radius > 0 and math.hypot(*beyond) <= radius <= self._far(centre):
-            outline = circle_points(centre, radius)
-            outline = np.concatenate([outline, outline[:2]])
+            outline = circle_points(centre, radius, sector)
             if dashed:
-                self.dashes(outline[:-1], colour, width, 6.0, 4.0)
-            else:
-                self.line(outline, colour, width)
+                self.dashes(outline, colour, width, 6.0, 4.0)
+            else:  # a whole circle goes on to its second point, for a joint at the first
+                self.line(np.concatenate([outline, outline[1:2]]) if sector == WHOLE else outline, colour, width)
 
     def bar(self, box: Box, colour: Colour, radius: float = 2.0) -> None:
         """Rectangle with round corners."""
@@ -150,10 +160,11 @@ class Canvas:
         return np.rint(np.clip(points, -20_000, 20_000) * OVERSAMPLING).astype(np.int64).ravel().tolist()
 
 
-def circle_points(centre: Points, radius: float) -> Points:
-    """Points (n, 2) on a circle [px], the first not repeated."""
-    count = min(max(int(radius * 1.2), 24), 360)
-    angle = np.arange(count) * (2 * math.pi / count)
+def circle_points(centre: Points, radius: float, sector: Sector = WHOLE) -> Points:
+    """Points (n, 2) on a circle or an arc [px], both ends included."""
+    first, last = sector
+    count = math.ceil(min(max(radius * 1.2, 24), 360) * (last - first) / (2 * math.pi))
+    angle = np.linspace(first, last, count + 1)
     return np.asarray(centre) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 

@@ -81,7 +81,7 @@ def draw(scene: Scene, size_px: tuple[int, int] = (960, 720)) -> NDArray[np.uint
         inset = Canvas((side, side), layout.unit, PAPER)
         reach = max(40.0, 6 * scene.collision_radius_m)
         east, north = np.asarray(scene.own.position_m, dtype=np.float64)[:2].tolist()
-        draw_map(inset, View((east, north), (side / 2 / reach,) * 2, (side, side)), scene, paths=False)
+        draw_map(inset, View((east, north), (side / 2 / reach,) * 2, (side, side)), scene, close_up=True)
         inset.place(image, (int(layout.map_px[0] + 1 + panel.gap), int(top)), border=FRAME)
     return np.array(image, dtype=np.uint8)
 
@@ -98,6 +98,7 @@ class Layout:
 
     @classmethod
     def of(cls, size_px: tuple[int, int], planar: bool) -> Layout:
+        """Sizes of the parts of a picture of `size_px`."""
         width, height = (int(side) for side in size_px)
         if width < SMALLEST_PX[0] or height < SMALLEST_PX[1]:
             raise ValueError(f"size_px is {size_px}; the smallest picture is {SMALLEST_PX}")

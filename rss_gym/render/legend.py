@@ -8,7 +8,7 @@ import numpy as np
 
 from rss_gym.render.canvas import Canvas
 from rss_gym.render.scene import Scene
-from rss_gym.render.signs import cross, dart, diamond, disc
+from rss_gym.render.signs import cross, dart, diamond, disc, hoop
 from rss_gym.render.style import BLUE, INK, ORANGE, RED, RING, Points, tint
 
 
@@ -40,12 +40,20 @@ def legend(scene: Scene) -> list[tuple[Any, str]]:
     def contact(canvas: Canvas, at: Points) -> None:
         canvas.circle(at, canvas.px(6, 0)[0], INK, 1.2)
 
+    def plan(canvas: Canvas, at: Points) -> None:
+        canvas.line(at + canvas.px(1, 1) * [(-8, 0), (8, 0)], BLUE, 1.0)
+        dart(canvas, at - canvas.px(8, 0), east, BLUE, size=6.5)
+        hoop(canvas, at + canvas.px(9, 0), BLUE)
+
+    radii = {intruder.zone_radius_m for intruder in scene.intruders} or {scene.zone_radius_m}
+    zone_size = f" {min(radii):.0f} m" if len(radii) == 1 else ""
     return [
         (crafts, "agent, intruder, warned of"),
-        (path, "flown, predefined"),
+        (path, "flown, predefined path"),
+        (plan, "planned position now"),
         (solution, "true, estimated position"),
         (lambda canvas, at: diamond(canvas, at, BLUE), "commanded way point"),
         (ranging, "range estimate ± 1 std"),
-        (zone, f"safety zone {scene.zone_radius_m:.0f} m, warning"),
+        (zone, f"safety zone{zone_size}, warning"),
         (contact, f"collision {scene.collision_radius_m:g} m"),
     ]

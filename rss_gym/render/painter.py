@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 
 from rss_gym.params import ParamsError, suggestion
+from rss_gym.render.frame import draw
+from rss_gym.render.recorder import RENDER_FPS, Recorder
+from rss_gym.render.window import Window
 
-RENDER_FPS = 10
+__all__ = ["RENDER_FPS", "Painter"]
 
 
 class Painter:
@@ -27,11 +30,9 @@ class Painter:
     def __init__(self, mode: str | None, metadata: dict[str, Any], rows: int = 1) -> None:
         if mode is not None and mode not in metadata["render_modes"]:
             raise ParamsError(f"render_mode {mode!r} is unknown{suggestion(str(mode), metadata['render_modes'])}")
-        self.mode, self.recorders, self.window = mode, [], None
-        if mode is not None:
-            from rss_gym.render.recorder import Recorder
-
-            self.recorders = [Recorder() for _ in range(rows)]
+        self.mode = mode
+        self.recorders = [] if mode is None else [Recorder() for _ in range(rows)]
+        self.window: Window | None = None
 
     def restart(self, batch: Any, mask: np.ndarray | None = None) -> None:
         """Forget the history of the rows of `mask` (default: all): a new episode begins."""
@@ -64,15 +65,11 @@ class Painter:
             self.window = None
 
     def _frame(self, batch: Any, row: int) -> np.ndarray:
-        from rss_gym.render import draw
-
         return draw(self.recorders[row].scene(batch, row))
 
     def _show(self, batch: Any) -> None:
         if self.mode != "human":
             return
         if self.window is None:
-            from rss_gym.render.window import Window
-
             self.window = Window()
         self.window.show(self._frame(batch, 0), RENDER_FPS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rss_gym.render.canvas import Canvas
 from rss_gym.render.legend import legend
@@ -37,7 +38,9 @@ def draw_panel(canvas: Canvas, scene: Scene) -> tuple[float, float]:
 
     close = scene.min_separation_m < scene.collision_radius_m
     pair(canvas, y, "min separation", _metres(scene.min_separation_m), RED if close else INK)
-    y += 1.15 * line
+    y += line
+    pair(canvas, y, "deviation", _metres(_distance(scene.own.position_m, scene.planned_m)), INK)
+    y += line
 
     entries = legend(scene)
     foot = canvas.size_px[1] - gap - len(entries) * line
@@ -55,25 +58,18 @@ def draw_panel(canvas: Canvas, scene: Scene) -> tuple[float, float]:
 def _draw_intruders(canvas: Canvas, scene: Scene, y: float, foot: float) -> float:
     """Separation, estimated range and state of each intruder from row `y` [px] on; returns the row below."""
     line, left, right = 1.45 * canvas.text_px, canvas.gap, canvas.size_px[0] - canvas.gap
-    several = len(scene.intruders) > 1
-    if not several or y + len(scene.intruders) * 3.3 * line < foot - 8 * line:
-        for number, intruder in enumerate(scene.intruders, start=1):
-            if several:
-                y += 0.3 * line
-                canvas.text(np.array([left, y + 0.5 * line]), f"intruder {number}", INK, "lm")
-                badge(canvas, (right - 6.2 * canvas.text_px, y, right, y + line), *state(intruder.warning), small=True)
-                y += 1.15 * line
-            pair(canvas, y, "true separation", _metres(_separation(scene, intruder)), INK)
-            y += line
-            pair(canvas, y, "range estimate", _estimate(intruder), INK)
-            y += line
-        return y
-    canvas.text(np.array([left, y]), "true / estimate", MUTED, "lt", small=True)
-    y += 0.9 * line
+    if len(scene.intruders) == 1:
+        pair(canvas, y, "true separation", _metres(_distance(scene.own.position_m, scene.intruders[0].position_m)), INK)
+        pair(canvas, y + line, "range estimate", _estimate(scene.intruders[0]), INK)
+        return y + 2 * line
+    if scene.intruders:
+        canvas.text(np.array([left, y + 0.5 * canvas.text_px]), "intruder", MUTED, "lm", small=True)
+        canvas.text(np.array([right, y + 0.5 * canvas.text_px]), "true / estimate", MUTED, "rm", small=True)
+        y += 0.9 * line
     rows = max(1, int((foot - 0.6 * line - y) / line))
     hidden = max(0, len(scene.intruders) - rows)
     for number, intruder in enumerate(scene.intruders[: rows - (hidden > 0)], start=1):
-        words = f"{_metres(_separation(scene, intruder), unit=False)} / {_estimate(intruder)}"
+        words = f"{_metres(_distance(scene.own.position_m, intruder.position_m), unit=False)} / {_estimate(intruder)}"
         box = (left, y + 1, left + 1.6 * canvas.text_px, y + line - 1)
         badge(canvas, box, str(number), colour_of(intruder), small=True)
         canvas.text(np.array([right, y + 0.5 * line]), words, RED if intruder.warning else INK, "rm", small=True)
@@ -84,9 +80,9 @@ def _draw_intruders(canvas: Canvas, scene: Scene, y: float, foot: float) -> floa
     return y
 
 
-def _separation(scene: Scene, intruder: Intruder) -> float:
-    """True distance between the agent and an intruder [m]."""
-    return math.dist(np.asarray(scene.own.position_m).tolist(), np.asarray(intruder.position_m).tolist())
+def _distance(one_m: ArrayLike, two_m: ArrayLike) -> float:
+    """Distance of two points [m]."""
+    return math.dist(np.asarray(one_m).tolist(), np.asarray(two_m).tolist())
 
 
 def _metres(value: float, unit: bool = True) -> str:

@@ -89,6 +89,7 @@ class Recorder:
             )
         return Scene(
             own=Aircraft(**seen(0, batch.own[row]["position_m"].copy())),
+            planned_m=batch.own[row]["planned_m"].copy(),
             way_point_m=batch.own[row]["way_point_m"].copy(),
             intruders=tuple(intruders),
             time_s=float(episode["tick"] * params.clock.tick_s),

@@ -19,7 +19,7 @@ class Aircraft:
     estimate_m : array (3,) or None
         Position solution [m]: its own, or for another aircraft the last message held. None when nothing is known.
     flown_m : array (t, 3)
-        True positions since the start [m], evenly spaced in time.
+        True positions since the start [m], evenly spaced in time but for the last.
     predefined_m : array (p, 3)
         Way points of the predefined trajectory [m]. The view is fitted to them.
     velocity_mps : array (3,)
@@ -61,6 +61,8 @@ class Scene:
     ----------
     own : Aircraft
         The agent.
+    planned_m : array (3,)
+        Where the agent would be now on its predefined trajectory [m].
     way_point_m : array (3,)
         Commanded way point [m].
     intruders : tuple of Intruder
@@ -82,6 +84,7 @@ class Scene:
     """
 
     own: Aircraft
+    planned_m: NDArray[np.floating]
     way_point_m: NDArray[np.floating]
     intruders: tuple[Intruder, ...]
     time_s: float

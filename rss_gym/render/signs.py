@@ -17,21 +17,24 @@ def label(canvas: Canvas, spot: Points, words: str) -> None:
     canvas.text(shown + canvas.px(13, -13) * side, words, INK, "mm", halo=PAPER)
 
 
-def disc(canvas: Canvas, centre: Points, radius: float, colour: Colour) -> None:
-    """Filled circle with a light rim."""
+def disc(canvas: Canvas, centre: Points, radius: float, colour: Colour, hollow: bool = False) -> None:
+    """Filled circle with a light rim, or its outline."""
     canvas.polygon(circle_points(centre, (radius + 1.2) * canvas.unit), WHITE)
     canvas.polygon(circle_points(centre, radius * canvas.unit), colour)
+    if hollow:
+        canvas.polygon(circle_points(centre, (radius - 1.6) * canvas.unit), WHITE)
+
+
+def hoop(canvas: Canvas, centre: Points, colour: Colour) -> None:
+    """Small hollow circle."""
+    disc(canvas, centre, 4.5, colour, hollow=True)
 
 
 def dart(
     canvas: Canvas, centre: Points, heading: Points, colour: Colour, hollow: bool = False, size: float = 10.0
 ) -> None:
-    """Arrow head along `heading` (pixels, y down); a disc when there is no heading."""
-    speed = float(np.hypot(*heading))
-    if not speed > 1e-6:
-        disc(canvas, centre, 0.6 * size, colour)
-        return
-    ahead = np.asarray(heading) / speed
+    """Arrow head along `heading` (pixels, y down), which is not zero."""
+    ahead = np.asarray(heading) / np.hypot(*heading)
     shape = np.array([(1.15, 0.0), (-0.85, 0.8), (-0.45, 0.0), (-0.85, -0.8)]) * size * canvas.unit
     turned = shape[:, :1] * ahead + shape[:, 1:] * np.array([-ahead[1], ahead[0]])
     canvas.line(centre + turned[[0, 1, 2, 3, 0, 1]], WHITE, 3.2)

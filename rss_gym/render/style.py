@@ -25,12 +25,13 @@ def tint(colour: Colour, strength: float) -> Colour:
 
 
 def colour_of(intruder: Intruder) -> Colour:
+    """Colour of an intruder and of its zone."""
     return RED if intruder.warning else ORANGE
 
 
 def state(warning: bool) -> tuple[str, Colour | None]:
     """Word and ground of a badge."""
-    return ("WARNING", RED) if warning else ("clear", None)
+    return ("WARNING", RED) if warning else ("no warning", None)
 
 
 def finite(points_m: ArrayLike) -> Points:

@@ -1,17 +1,15 @@
-"""Pictures and window: `rss_gym.render`, `rss_gym.window`."""
+"""Pictures: `rss_gym.render.draw` and `map_view`."""
 
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from gymnasium.error import DependencyNotInstalled
 
-from rss_gym import render
 from rss_gym.render import Aircraft, Intruder, Scene, draw, map_view
-from rss_gym.window import Window
+from rss_gym.render.style import BLUE, ORANGE, RED, RING
 
 pytest.importorskip("PIL", reason="needs the extra `render`")
 
@@ -43,9 +41,12 @@ def scene(time_s=20.0, count=1, planar=True, **changes):
     for start_m, velocity_mps in (STARTS * 3)[:count]:
         known = fields(start_m, velocity_mps, time_s, (12.0, 9.0, -3.0))
         true_m = float(np.linalg.norm(known["position_m"] - own.position_m))
-        intruders.append(Intruder(**known, range_m=1.1 * true_m, range_std_m=0.1 * true_m, warning=true_m < 100))
+        intruders.append(
+            Intruder(**known, range_m=1.1 * true_m, range_std_m=0.1 * true_m, zone_radius_m=120.0, warning=true_m < 100)
+        )
     whole = Scene(
         own=own,
+        planned_m=own.position_m - np.array([6.0, 8.0, 0.0]),
         way_point_m=own.position_m + np.array([10.0, 8.0, 2.0]),
         intruders=tuple(intruders),
         time_s=time_s,
@@ -98,7 +99,9 @@ def other_intruder(**changes):
         scene(playback_speed=1.0),
         scene(collision_radius_m=20.0),
         scene(way_point_m=np.array([30.0, 0.0, 0.0])),
+        scene(planned_m=np.array([30.0, 0.0, 0.0])),
         other_intruder(warning=False),
+        other_intruder(zone_radius_m=90.0),
         other_intruder(range_m=60.0),
         other_intruder(range_std_m=30.0),
         other_intruder(estimate_m=None),
@@ -142,8 +145,8 @@ def test_north_is_up_and_east_is_right():
 def test_aircraft_have_their_colours(time_s, planar):
     whole = scene(time_s, planar=planar)
     picture, view = draw(whole), map_view(whole)
-    assert at(picture, view, whole.own.position_m) == render.BLUE
-    expected = render.RED if whole.intruders[0].warning else render.ORANGE
+    assert at(picture, view, whole.own.position_m) == BLUE
+    expected = RED if whole.intruders[0].warning else ORANGE
     assert at(picture, view, whole.intruders[0].position_m) == expected
     estimate_m = whole.intruders[0].estimate_m
     assert at(picture, view, estimate_m) == expected
@@ -155,11 +158,43 @@ def test_the_range_ring_lies_at_the_estimated_range():
     south_east = np.array([1.0, -1.0, 0.0]) / np.sqrt(2.0)
     x, y = np.floor(view.to_px(whole.own.position_m + 50.0 * south_east)).astype(int)
     patch = picture[y - 1 : y + 2, x - 1 : x + 2].reshape(-1, 3).astype(int)
-    assert np.abs(patch - render.RING).max(axis=1).min() < 12
+    assert np.abs(patch - RING).max(axis=1).min() < 12
 
     band = [at(picture, view, whole.own.position_m + range_m * south_east) for range_m in (46.0, 54.0)]
     ground = [at(picture, view, whole.own.position_m + range_m * south_east) for range_m in (42.0, 58.0)]
     assert band[0] == band[1] and ground[0] == ground[1] and band[0] != ground[0]
+
+
+def test_among_several_a_range_ring_is_bold_towards_its_intruder():
+    whole = scene(count=2)
+    first = replace(whole.intruders[0], range_m=50.0, range_std_m=5.0)
+    whole = replace(whole, intruders=(first, whole.intruders[1]))
+    picture, view = draw(whole), map_view(whole)
+    direction = first.position_m - whole.own.position_m
+    east = direction / np.linalg.norm(direction)
+    ahead, behind = (
+        [at(picture, view, whole.own.position_m + side * range_m * east) for range_m in (42.0, 46.5, 53.5, 58.0)]
+        for side in (1, -1)
+    )
+    assert ahead[1] != ahead[0] and ahead[2] != ahead[3]
+    assert len(set(behind)) == 1
+
+
+def test_the_deviation_is_drawn_and_told():
+    far, near = scene(planned_m=scene().own.position_m + [20.0, 0.0, 0.0]), scene(planned_m=scene().own.position_m)
+    view = map_view(far)
+    between = far.own.position_m + np.array([11.0, 0.0, 0.0])
+    x, y = np.floor(view.to_px(between)).astype(int)
+    line = draw(far)[y - 2 : y + 3, x].astype(int)
+    assert np.abs(line - BLUE).max(axis=1).min() < 60
+    assert not np.array_equal(draw(near), draw(far))
+
+
+def test_a_hovering_aircraft_is_a_disc():
+    slow = [other_intruder(velocity_mps=np.array(v)) for v in ([0.1, 0.0, 0.0], [0.0, 0.2, 0.0])]
+    fast = [other_intruder(velocity_mps=np.array(v)) for v in ([2.0, 0.0, 0.0], [0.0, 2.0, 0.0])]
+    assert np.array_equal(draw(slow[0]), draw(slow[1]))
+    assert not np.array_equal(draw(fast[0]), draw(fast[1]))
 
 
 def test_the_zone_changes_with_the_warning():
@@ -196,6 +231,8 @@ NAN3 = np.full(3, np.nan)
         {"range_m": 100.0, "range_std_m": float("nan")},
         {"range_m": 1e9, "range_std_m": 1.0},
         {"range_m": float("inf"), "range_std_m": 1.0},
+        {"zone_radius_m": 0.0},
+        {"zone_radius_m": 1e9},
     ],
     ids=lambda changes: next(iter(changes)),
 )
@@ -203,7 +240,7 @@ def test_odd_numbers_are_drawn(changes, planar):
     before = scene(planar=planar)
     of_intruder = replace(before, intruders=(replace(before.intruders[0], **changes),))
     assert draw(of_intruder).shape == (720, 960, 3)
-    if not {"range_m", "position_m"} & set(changes):
+    if not {"range_m", "zone_radius_m"} & set(changes):
         assert draw(replace(before, own=replace(before.own, **changes))).shape == (720, 960, 3)
 
 
@@ -213,6 +250,8 @@ def test_odd_numbers_are_drawn(changes, planar):
         {"min_separation_m": float("inf")},
         {"way_point_m": NAN3},
         {"way_point_m": np.full(3, 1e12)},
+        {"planned_m": NAN3},
+        {"planned_m": np.full(3, 1e12)},
         {"zone_radius_m": 0.0},
         {"duration_s": 0.0, "time_s": 0.0},
         {"time_s": 200.0},
@@ -241,8 +280,8 @@ from rss_gym.render import Aircraft, Scene, draw
 assert not any(name.split(".")[0] == "PIL" for name in sys.modules)
 zero = np.zeros(3)
 own = Aircraft(zero, None, np.zeros((0, 3)), np.zeros((2, 3)), zero)
-draw(Scene(own, zero, (), 0.0, 1.0, 120.0, 4.5, 9.0, False, "", 1.0))
-import rss_gym.window
+draw(Scene(own, zero, zero, (), 0.0, 1.0, 120.0, 4.5, 9.0, False, "", 1.0))
+import rss_gym.render.window
 assert "pygame" not in sys.modules
 """
     subprocess.run([sys.executable, "-c", code], check=True)
@@ -252,62 +291,3 @@ def test_a_missing_pillow_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     with pytest.raises(DependencyNotInstalled, match=r'Pillow: pip install "rss-gym\[render\]"'):
         draw(scene())
-
-
-def test_a_missing_pygame_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pygame", None)
-    with pytest.raises(DependencyNotInstalled, match=r'pygame: pip install "rss-gym\[render\]"'):
-        Window().show(draw(scene(), (400, 300)), 30)
-
-
-@pytest.fixture
-def pygame(monkeypatch):
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    monkeypatch.setenv("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-    return pytest.importorskip("pygame", reason="needs the extra `render`")
-
-
-def test_the_window_shows_the_frame(pygame):
-    window = Window()
-    frame = draw(scene(), (400, 300))
-    window.show(frame, 0)
-    assert pygame.display.get_caption()[0] == "rss_gym"
-    shown = pygame.surfarray.array3d(pygame.display.get_surface())
-    assert np.array_equal(shown.swapaxes(0, 1), frame)
-    window.show(draw(scene(), (640, 480)), 0)
-    assert pygame.display.get_surface().get_size() == (640, 480)
-    window.close()
-    window.close()
-    assert window.is_closed and not pygame.display.get_init()
-
-
-def test_the_window_keeps_the_rate(pygame):
-    window, frame = Window(), draw(scene(), (400, 300))
-    window.show(frame, 50)
-    start = time.perf_counter()
-    for _ in range(5):
-        window.show(frame, 50)
-    window.close()
-    assert time.perf_counter() - start > 0.08
-
-
-def test_a_window_closed_by_its_user_stays_closed(pygame):
-    window, frame = Window(), draw(scene(), (400, 300))
-    window.show(frame, 0)
-    pygame.event.post(pygame.event.Event(pygame.QUIT))
-    window.show(frame, 0)
-    assert window.is_closed
-    window.show(frame, 0)
-    assert not pygame.display.get_init()
-
-
-@pytest.mark.parametrize(("frame", "fps"), [(np.zeros((4, 4)), 30), (np.zeros((4, 4, 3)), 30)])
-def test_a_wrong_frame_is_refused(frame, fps):
-    with pytest.raises(ValueError, match="frame"):
-        Window().show(frame, fps)
-
-
-@pytest.mark.parametrize("fps", [-1.0, float("nan"), float("inf")])
-def test_a_wrong_rate_is_refused(fps):
-    with pytest.raises(ValueError, match="fps"):
-        Window().show(np.zeros((4, 4, 3), np.uint8), fps)

@@ -1,0 +1,116 @@
+"""The paper's orthogonal rule as a policy, flown on what the agent is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rss_gym.avoidance.orthogonal import displacement
+from rss_gym.baselines.policy import Scripted
+from rss_gym.jit import kernel
+from rss_gym.params import ParamsError, number
+
+
+def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
+    """The components along, right and up of a named vector as one array, shape (..., 3); a missing `up` is zero."""
+    first = seen[f"{stem}_along_{unit}"]
+    up = seen.get(f"{stem}_up_{unit}", np.zeros_like(first))
+    return np.stack([first, seen[f"{stem}_right_{unit}"], up], axis=-1)
+
+
+@kernel
+def _steer(error_m, cruise_mps, told, position_m, velocity_mps, age_s, radius_m, lookahead_s, memory, out):
+    """Rows of (45), centred on the other's predicted position; the nearest predicted intruder is obeyed."""
+    for row in range(len(out)):
+        nearest, near, nx, ny, nz = -1, np.inf, 0.0, 0.0, 0.0
+        warned = False
+        for k in range(told.shape[1]):
+            if not told[row, k]:
+                continue
+            warned = True
+            ahead_s = age_s[row, k] + lookahead_s
+            # From u_i(n+1) to u_j^d(n+1), in the axes of the leg: `position` is relative to the own solution.
+            x = cruise_mps[row] * lookahead_s - error_m[row, 0] - position_m[row, k, 0]
+            y = -error_m[row, 1] - position_m[row, k, 1]
+            z = -error_m[row, 2] - position_m[row, k, 2]
+            x, y, z = (
+                x - velocity_mps[row, k, 0] * ahead_s,
+                y - velocity_mps[row, k, 1] * ahead_s,
+                z - velocity_mps[row, k, 2] * ahead_s,
+            )
+            square = x * x + y * y + z * z
+            if square < near:
+                nearest, near, nx, ny, nz = k, square, x, y, z
+        if not warned:
+            memory[row, :] = 0.0
+        if nearest < 0 or near >= radius_m * radius_m:
+            continue
+        # The side is kept for the intruder it was chosen against.
+        if memory[row, 0] != nearest + 1.0:
+            memory[row, :] = 0.0
+            memory[row, 0] = nearest + 1.0
+        v = velocity_mps[row, nearest]
+        out[row, 0], out[row, 1], out[row, 2], memory[row, 1], memory[row, 2], memory[row, 3] = displacement(
+            nx, ny, nz, v[0], v[1], v[2], radius_m, memory[row, 1], memory[row, 2], memory[row, 3]
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Orthogonal(Scripted):
+    """The orthogonal rule (43)-(45) on the exchanged positions, keeping the side it chose first.
+
+    Parameters
+    ----------
+    radius_m : float
+        S of (44)-(45); at most the zone radius, within which messages arrive.
+    lookahead_s : float
+        Time from n to n + 1: the zone is centred on where the other will be.
+    """
+
+    radius_m: float = number(60.0, 1.0, 1000.0)
+    lookahead_s: float = number(0.5, 0.0, 60.0)
+
+    columns = 4  # intruder obeyed + 1, unit vector of the side
+
+    def interface(self) -> dict[str, Any]:
+        """Messages, and a reach to the far edge of the zone."""
+        return {"track": "paper", "action": "displacement", "reach_m": 2.0 * self.radius_m}
+
+    def __post_init__(self) -> None:
+        """Check the radius against the world's zone."""
+        super().__post_init__()
+        zone_m = self.world.zone.radius_m
+        if self.radius_m > zone_m:
+            raise ParamsError(
+                f"radius_m = {self.radius_m:g} must be at most the zone radius {zone_m:g}: no message arrives beyond it"
+            )
+
+    def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
+        """The rule's displacement over the reach."""
+        out = np.zeros((len(memory), 3))
+        _steer(
+            vectors(seen, "track_error", "m"),
+            seen["cruise_mps"],
+            (seen["warning"] > 0.5) & (seen["message_valid"] > 0.5),
+            vectors(seen, "message_position", "m"),
+            vectors(seen, "message_velocity", "mps"),
+            seen["message_age_s"],
+            self.radius_m,
+            self.lookahead_s,
+            memory,
+            out,
+        )
+        return out / self.world.interface.reach_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrthogonalOracle(Orthogonal):
+    """The orthogonal rule on true states: what is left when estimation is perfect."""
+
+    def interface(self) -> dict[str, Any]:
+        """As the rule, on track `oracle`."""
+        return super().interface() | {"track": "oracle"}
+
+

@@ -1,0 +1,62 @@
+"""The orthogonal rule, (43)-(45), in closed form.
+
+With r = u_j - u_i, a = r . v_i / |v_i| and p = r - a v_i / |v_i|, the point of (45) is
+u_j' = u_i + a v_i / |v_i| + sqrt(S^2 - a^2) p / |p|, a displacement of sqrt(S^2 - a^2) - |p| along p.
+"""
+
+from math import sqrt
+
+from rss_gym.jit import kernel
+
+TINY_M = 1e-9
+
+
+@kernel
+def displacement(rx, ry, rz, vx, vy, vz, radius_m, side_x, side_y, side_z):
+    """Smallest displacement of u_j, at right angles to v_i, that puts it on the edge of the zone round u_i.
+
+    Parameters
+    ----------
+    rx, ry, rz : float
+        u_j - u_i, m, in axes whose z is up and whose y is to the right of x.
+    vx, vy, vz : float
+        Velocity of U_i, m/s.
+    radius_m : float
+        S.
+    side_x, side_y, side_z : float
+        Unit vector of the side to keep, or zero for the nearer side: a noisy r may not change sides near p = 0.
+
+    Returns
+    -------
+    tuple of float
+        The displacement (m) and the unit vector of the side taken; zeros when nothing is to be done.
+
+    Notes
+    -----
+    Edges: outside the zone (43) or beyond its reach (|a| > S) no change; p = 0 goes to the right of v_i in the
+    horizontal plane; v_i = 0 goes along r, and to the right if r = 0 as well.
+    """
+    square = rx * rx + ry * ry + rz * rz
+    if square >= radius_m * radius_m:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    speed = sqrt(vx * vx + vy * vy + vz * vz)
+    ux = uy = uz = a = 0.0
+    if speed > 0.0:
+        ux, uy, uz = vx / speed, vy / speed, vz / speed
+        a = rx * ux + ry * uy + rz * uz
+    px, py, pz = rx - a * ux, ry - a * uy, rz - a * uz
+    p = sqrt(px * px + py * py + pz * pz)
+    if p > TINY_M:
+        nx, ny, nz = px / p, py / p, pz / p
+    else:
+        level = sqrt(ux * ux + uy * uy)
+        nx, ny, nz = (-uy / level, ux / level, 0.0) if level > 0.0 else (0.0, 1.0, 0.0)
+    if nx * side_x + ny * side_y + nz * side_z < 0.0:
+        # Keep the side: its part at right angles to v_i.
+        along = side_x * ux + side_y * uy + side_z * uz
+        kx, ky, kz = side_x - along * ux, side_y - along * uy, side_z - along * uz
+        length = sqrt(kx * kx + ky * ky + kz * kz)
+        if length > TINY_M:
+            nx, ny, nz = kx / length, ky / length, kz / length
+    reach = sqrt(max(radius_m * radius_m - a * a, 0.0))
+    return reach * nx - px, reach * ny - py, reach * nz - pz, nx, ny, nz
