@@ -45,7 +45,7 @@ def _steer(error_m, cruise_mps, told, position_m, velocity_mps, age_s, radius_m,
                 nearest, near, nx, ny, nz = k, square, x, y, z
         if not warned:
             memory[row, :] = 0.0
-        if nearest < 0 or near >= radius_m * radius_m:
+        if nearest < 0:
             continue
         # The side is kept for the intruder it was chosen against.
         if memory[row, 0] != nearest + 1.0:

@@ -1,1 +1,5 @@
-"""Evaluation: suites, episodes, metrics, intervals and reports."""
+"""The evaluator: suites, flights, metrics with intervals, records."""
+
+from rss_gym.eval.evaluate import Result, evaluate
+
+__all__ = ["Result", "evaluate"]

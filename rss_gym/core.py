@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium as gym
@@ -105,28 +106,12 @@ class Batch:
         """Give rows a seed; their next episode is number 0 of it, on split `train`."""
         self.seeds[mask], self.numbers[mask], self.split[mask] = seeds, 0, SPLITS["train"]
 
-    def choose(self, options: dict[str, Any], mask: np.ndarray) -> None:
-        """Apply the reset options `split` and `episode` (a number, or one per row) to the rows of `mask`.
-
-        Raises
-        ------
-        ValueError
-            For an unknown option or split, or an episode that is not a whole number >= 0.
-        """
-        for name in options:
-            if name not in ("split", "episode", "reset_mask"):
-                raise ValueError(f"reset option {name!r} is unknown{suggestion(name, ['split', 'episode', 'reset_mask'])}")
+    def choose(self, options: Mapping[str, Any], mask: np.ndarray) -> None:
+        """Apply reset options that `checked_options` has returned to the rows of `mask`."""
         if "split" in options:
-            if options["split"] not in SPLITS:
-                raise ValueError(f"split {options['split']!r} is unknown{suggestion(str(options['split']), SPLITS)}")
             self.split[mask] = SPLITS[options["split"]]
         if "episode" in options:
-            numbers = np.asarray(options["episode"])
-            if numbers.dtype.kind not in "iu" or numbers.shape not in ((), (self.n,)) or np.any(numbers < 0):
-                raise ValueError(
-                    f"reset option 'episode' must be a whole number >= 0, or {self.n} of them, got {options['episode']!r}"
-                )
-            self.numbers[mask] = np.broadcast_to(numbers, self.n)[mask]
+            self.numbers[mask] = np.broadcast_to(np.asarray(options["episode"], np.uint64), self.n)[mask]
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
@@ -145,9 +130,7 @@ class Batch:
 
     def step(self, actions: np.ndarray, skip: np.ndarray) -> None:
         """Fly one decision in the rows that are not in `skip`; `actions` (n, 3) in [-1, 1] along, right, up."""
-        step_rows(
-            self.world, self.own, self.others, *self._layout, actions, skip, self.observations, self.rewards
-        )
+        step_rows(self.world, self.own, self.others, *self._layout, actions, skip, self.observations, self.rewards)
 
     def info(self, name: str) -> np.ndarray:
         """A copy of one column of `INFO`, or `is_success`."""
@@ -157,12 +140,17 @@ class Batch:
         return e[name].copy()  # type: ignore[no-any-return]
 
 
+def discrete_actions(params: Params) -> int:
+    """How many of `DISCRETE_ACTIONS` there are in this world."""
+    return 5 if params.encounter.planar else 7
+
+
 def spaces(params: Params) -> tuple[gym.spaces.Box, gym.Space[Any]]:
     """Observation and action space of one environment."""
     low, high = observation.bounds(params)
     axes = 2 if params.encounter.planar else 3
     if params.interface.action == "discrete":
-        return gym.spaces.Box(low, high, dtype=np.float32), gym.spaces.Discrete(1 + 2 * axes)
+        return gym.spaces.Box(low, high, dtype=np.float32), gym.spaces.Discrete(discrete_actions(params))
     return gym.spaces.Box(low, high, dtype=np.float32), gym.spaces.Box(-1.0, 1.0, (axes,), np.float32)
 
 
@@ -176,27 +164,65 @@ def decode(actions: Any, params: Params, n: int) -> np.ndarray:
     """
     values = np.asarray(actions)
     if params.interface.action == "discrete":
-        count = spaces(params)[1].n  # type: ignore[attr-defined]
+        count = discrete_actions(params)
         if values.dtype.kind not in "iu":
             raise TypeError(f"discrete actions must be whole numbers, got {values.dtype}")
         if values.shape != (n,):
             raise ValueError(f"actions have shape {values.shape}, expected ({n},)")
         if np.any((values < 0) | (values >= count)):
-            raise ValueError(f"discrete actions must be in 0..{count - 1}, got {values[(values < 0) | (values >= count)][0]}")
+            raise ValueError(
+                f"discrete actions must be in 0..{count - 1}, got {values[(values < 0) | (values >= count)][0]}"
+            )
         return DISCRETE_ACTIONS[values]
     axes = 2 if params.encounter.planar else 3
     if values.dtype.kind not in "fiu":
         raise TypeError(f"actions must be real numbers, got {values.dtype}")
     if values.shape != (n, axes):
-        raise ValueError(f"actions have shape {values.shape}, expected ({n}, {axes}): along, right{', up' * (axes - 2)}")
+        raise ValueError(
+            f"actions have shape {values.shape}, expected ({n}, {axes}): along, right{', up' * (axes - 2)}"
+        )
     out = np.zeros((n, 3))
     out[:, :axes] = values
-    # One sum sees every NaN and infinity; the search for the row is only done when there is one.
-    if not np.isfinite(out.sum()):
-        bad = np.flatnonzero(~np.isfinite(out).all(axis=1))
-        if len(bad):
-            raise ValueError(f"action of row {bad[0]} is not finite: {values[bad[0]]}")
+    if not np.isfinite(out).all():
+        row = np.flatnonzero(~np.isfinite(out).all(axis=1))[0]
+        raise ValueError(f"action of row {row} is not finite: {values[row]}")
     return np.clip(out, -1.0, 1.0, out=out)
+
+
+def checked_options(options: Any, n: int, *more: str) -> Mapping[str, Any]:
+    """The options of a reset of n rows: `split`, `episode` (a number, or one per row), and the names in `more`.
+
+    Raises
+    ------
+    ValueError
+        For an unknown option or split, or an episode that is not a whole number in [0, 2**63).
+    TypeError
+        If they are not a mapping.
+    """
+    options = {} if options is None else options
+    if not isinstance(options, Mapping):
+        raise TypeError(f"reset options must be a dict, got {options!r}")
+    for name in options:
+        if name not in ("split", "episode", *more):
+            raise ValueError(f"reset option {name!r} is unknown{suggestion(str(name), ['split', 'episode', *more])}")
+    split, episode = options.get("split", "train"), options.get("episode", 0)
+    if not isinstance(split, str) or split not in SPLITS:
+        raise ValueError(f"reset option 'split' = {split!r} is unknown{suggestion(str(split), SPLITS)}")
+    rows = episode if is_row_list(episode) else [episode]
+    if len(rows) not in {1, n} or not all(map(_counts, rows)):
+        expected = "a whole number in [0, 2**63)" + f", or {n} of them" * (n > 1)
+        raise ValueError(f"reset option 'episode' must be {expected}, got {episode!r}")
+    return options
+
+
+def is_row_list(value: Any) -> bool:
+    """Whether this is a list, tuple or one-dimensional array: one entry a row."""
+    return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim == 1)
+
+
+def _counts(value: Any) -> bool:
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    return whole and 0 <= value < SEED_LIMIT
 
 
 def checked_seed(seed: Any) -> int:
@@ -207,6 +233,6 @@ def checked_seed(seed: Any) -> int:
     ValueError
         For any other value.
     """
-    if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, np.integer)) or not 0 <= seed < SEED_LIMIT:
+    if not _counts(seed):
         raise ValueError(f"seed must be a whole number in [0, 2**63), got {seed!r}")
     return int(seed)

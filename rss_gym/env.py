@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_seed, decode, spaces
+from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_options, checked_seed, decode, spaces
 from rss_gym.params import Params
 from rss_gym.render.painter import RENDER_FPS, Painter
 
@@ -125,6 +125,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Start an episode; see the class for `seed` and `options`."""
+        chosen = checked_options(options, 1)
         if seed is not None:
             seed = checked_seed(seed)
         super().reset(seed=seed)
@@ -132,7 +133,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
             seed = int(self.np_random.integers(SEED_LIMIT))
         if seed is not None:
             self.batch.seed(np.array([seed], np.uint64))
-        self.batch.choose(options or {}, _ROW)
+        self.batch.choose(chosen, _ROW)
         self.batch.reset(_ROW)
         self.painter.restart(self.batch)
         return self.batch.observations[0].copy(), self._info()

@@ -38,6 +38,7 @@ EPISODE = np.dtype(
         ("ticks", i8),  # length of the flight
         ("approach_s", f8),  # time of the first intruder's planned closest approach
         ("min_separation_m", f8),
+        ("closest_s", f8),  # time of the tick in which it was least
         ("collision", b1),
         ("snmac", b1),
         ("zone", b1),
@@ -45,7 +46,10 @@ EPISODE = np.dtype(
         ("truncated", b1),
         ("deviation_m", f8),  # |u - u^d|, mean over the last decision
         ("deviation_max_m", f8),
+        ("flown_m", f8),  # length of the path flown
         ("warned_s", f8),  # time of the first warning, -1 before it
+        ("false_alerts", i8),  # warnings that opened at a true separation above the zone radius
+        ("missed", i8),  # longest run of ticks inside the zone with an estimated range outside it
         # Terms of the last decision's reward, and its safety cost
         ("reward_tracking", f8),
         ("reward_effort", f8),
@@ -103,6 +107,7 @@ CONTACT = np.dtype(
         ("clear_s", f8),  # time since the range was last below the closing threshold
         ("streak", i8),  # consecutive ticks with (29)
         ("hovered", b1),
+        ("missed", i8),  # consecutive ticks inside the zone with an estimated range outside it
         # The held message: the sender's own solution
         ("valid", b1),
         ("age_s", f8),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium as gym
@@ -9,7 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
-from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_seed, decode, spaces
+from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_options, checked_seed, decode, is_row_list, spaces
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.render.painter import RENDER_FPS, Painter
 
@@ -69,17 +70,17 @@ class EncounterVectorEnv(gym.vector.VectorEnv[np.ndarray, Any, np.ndarray]):
 
         `seed` s gives row i the seed s + i; a list gives each row its own, None going on with the row's episodes.
         """
-        options = options or {}
-        mask = self._mask(options)
+        chosen = checked_options(options, self.num_envs, "reset_mask")
+        mask, seeds = self._mask(chosen), self._seeds(seed)
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else checked_seed(seed))
-        for row, value in enumerate(self._seeds(seed)):
+        for row, value in enumerate(seeds):
             if mask[row] and value is not None:
-                self.batch.seed(np.uint64(value), slice(row, row + 1))
-        fresh = mask & ~self.batch.started & np.array([value is None for value in self._seeds(seed)])
+                self.batch.seed(np.array([value], np.uint64), slice(row, row + 1))
+        fresh = mask & ~self.batch.started & np.array([value is None for value in seeds])
         if fresh.any():
             self.batch.seed(self.np_random.integers(SEED_LIMIT, size=int(fresh.sum())).astype(np.uint64), fresh)
-        self.batch.choose(options, mask)
+        self.batch.choose(chosen, mask)
         self.batch.reset(mask)
         self.painter.restart(self.batch, mask)
         return self.batch.observations.copy(), self._infos(mask)
@@ -144,20 +145,20 @@ class EncounterVectorEnv(gym.vector.VectorEnv[np.ndarray, Any, np.ndarray]):
             "_final_info": ended.copy(),
         }
 
-    def _mask(self, options: dict[str, Any]) -> np.ndarray:
+    def _mask(self, options: Mapping[str, Any]) -> np.ndarray:
         mask = options.get("reset_mask", self._all)
         if not isinstance(mask, np.ndarray) or mask.dtype != bool or mask.shape != (self.num_envs,) or not mask.any():
             raise ValueError(
-                f"options['reset_mask'] must be a bool array of shape ({self.num_envs},) with a True in it, got {mask!r}"
+                f"reset option 'reset_mask' must be a bool array ({self.num_envs},) with a True in it, got {mask!r}"
             )
         return mask
 
     def _seeds(self, seed: Any) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, (list, tuple, np.ndarray)):
+        if is_row_list(seed):
             if len(seed) != self.num_envs:
                 raise ValueError(f"a list of seeds must have num_envs = {self.num_envs} entries, got {len(seed)}")
             return [None if value is None else checked_seed(value) for value in seed]
         first = checked_seed(seed)
-        return [first + row for row in range(self.num_envs)]
+        return [checked_seed(first + row) for row in range(self.num_envs)]

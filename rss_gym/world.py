@@ -59,8 +59,9 @@ def reset_row(world, i, split, seed, number):
     ticks = config.ticks_per_decision
     e.tick, e.ticks = 0, int(np.ceil(end_s / (ticks * config.tick_s) - 1e-9)) * ticks
     e.collision = e.snmac = e.zone = e.terminated = e.truncated = False
-    e.deviation_m = e.deviation_max_m = e.cost = 0.0
+    e.deviation_m = e.deviation_max_m = e.flown_m = e.cost = e.closest_s = 0.0
     e.warned_s = -1.0
+    e.false_alerts = e.missed = 0
     e.reward_tracking = e.reward_effort = e.reward_proximity = e.reward_collision = 0.0
     for a in range(1 + e.intruders):
         start_aircraft(config, aircraft[a], localisation(config, a), key, a)
@@ -80,6 +81,7 @@ def reset_row(world, i, split, seed, number):
     for k in range(e.intruders):
         range_contact(world, i, k)
         warn(world, i, k)
+        judge(config, e, contacts[k], links[k], separation_squared(aircraft[0], aircraft[1 + k]), False)
 
 
 @kernel
@@ -111,7 +113,7 @@ def clear_contact(config, contact):
     contact.radius_m = config.radius_m
     contact.warning = contact.hovered = contact.valid = False
     contact.clear_s = contact.age_s = contact.std_m = 0.0
-    contact.streak = 0
+    contact.streak = contact.missed = 0
     zero(contact.position_m)
     zero(contact.velocity_mps)
     zero(contact.way_point_m)
@@ -299,7 +301,9 @@ def move(world, i, action):
         u = craft.position_m
         x, y, z = u[0] - own[0], u[1] - own[1], u[2] - own[2]
         square = least_square_separation(x, y, z, vx - ovx, vy - ovy, vz - ovz, t)
-        e.min_separation_m = min(e.min_separation_m, sqrt(square))
+        separation_m = sqrt(square)
+        if separation_m < e.min_separation_m:
+            e.min_separation_m, e.closest_s = separation_m, now_s + t
         if square < config.collision_m * config.collision_m:
             e.collision = True
         if square < config.radius_m * config.radius_m:
@@ -311,6 +315,7 @@ def move(world, i, action):
             )
         u[0], u[1], u[2] = u[0] + vx * t, u[1] + vy * t, u[2] + vz * t
     own[0], own[1], own[2] = own[0] + ovx * t, own[1] + ovy * t, own[2] + ovz * t
+    e.flown_m += t * sqrt(ovx * ovx + ovy * ovy + ovz * ovz)
 
 
 @kernel(forceinline=True)
@@ -552,17 +557,31 @@ def decide_row(world, i, action):
             range_nodes(world, i, a)
             navigate(config, world.aircraft[i, a], localisation(config, a))
         for k in range(e.intruders):
-            nearest_squared = min(nearest_squared, separation_squared(agent, world.aircraft[i, 1 + k]))
+            square = separation_squared(agent, world.aircraft[i, 1 + k])
+            nearest_squared = min(nearest_squared, square)
+            warned = world.contacts[i, k].warning
             range_contact(world, i, k)
             warn(world, i, k)
-            if world.contacts[i, k].warning and e.warned_s < 0.0:
-                e.warned_s = e.tick * config.tick_s
+            judge(config, e, world.contacts[i, k], world.links[i, k], square, warned)
     for a in range(1 + e.intruders):
         fix(world, i, a)
     e.deviation_m = deviation_m / flown
     e.terminated, e.truncated = e.collision, e.tick >= e.ticks and not e.collision
     vx, vy, vz = agent.velocity_mps[0] - vx, agent.velocity_mps[1] - vy, agent.velocity_mps[2] - vz
     return reward(config, e, sqrt(vx * vx + vy * vy + vz * vz), sqrt(nearest_squared))
+
+
+@kernel(forceinline=True)
+def judge(config, e, contact, link, separation_squared_m2, warned_before):
+    """Compare the warning with the true separation: first warning, false alerts, missed detections."""
+    inside = separation_squared_m2 <= config.radius_m * config.radius_m
+    if contact.warning and not warned_before:
+        if e.warned_s < 0.0:
+            e.warned_s = e.tick * config.tick_s
+        if not inside:
+            e.false_alerts += 1
+    contact.missed = contact.missed + 1 if inside and link.range_m > config.radius_m else 0
+    e.missed = max(e.missed, contact.missed)
 
 
 @kernel(forceinline=True)

@@ -34,29 +34,33 @@ def displacement(rx, ry, rz, vx, vy, vz, radius_m, side_x, side_y, side_z):
     Notes
     -----
     Edges: outside the zone (43) or beyond its reach (|a| > S) no change; p = 0 goes to the right of v_i in the
-    horizontal plane; v_i = 0 goes along r, and to the right if r = 0 as well.
+    horizontal plane; v_i = 0 goes along r, and to the right if r = 0 as well. Outside the zone on the side that was
+    not taken, with |a| < S, the way back would lead past U_i, so the side is held (this halves the collisions).
     """
-    square = rx * rx + ry * ry + rz * rz
-    if square >= radius_m * radius_m:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     speed = sqrt(vx * vx + vy * vy + vz * vz)
     ux = uy = uz = a = 0.0
     if speed > 0.0:
         ux, uy, uz = vx / speed, vy / speed, vz / speed
         a = rx * ux + ry * uy + rz * uz
     px, py, pz = rx - a * ux, ry - a * uy, rz - a * uz
+    crossed = px * side_x + py * side_y + pz * side_z < 0.0
+    outside = rx * rx + ry * ry + rz * rz >= radius_m * radius_m
+    if abs(a) >= radius_m or (outside and not crossed):
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     p = sqrt(px * px + py * py + pz * pz)
+    level = sqrt(ux * ux + uy * uy)
     if p > TINY_M:
         nx, ny, nz = px / p, py / p, pz / p
+    elif level > 0.0:
+        nx, ny, nz = -uy / level, ux / level, 0.0
     else:
-        level = sqrt(ux * ux + uy * uy)
-        nx, ny, nz = (-uy / level, ux / level, 0.0) if level > 0.0 else (0.0, 1.0, 0.0)
-    if nx * side_x + ny * side_y + nz * side_z < 0.0:
+        nx, ny, nz = 0.0, 1.0, 0.0
+    if crossed:
         # Keep the side: its part at right angles to v_i.
         along = side_x * ux + side_y * uy + side_z * uz
         kx, ky, kz = side_x - along * ux, side_y - along * uy, side_z - along * uz
         length = sqrt(kx * kx + ky * ky + kz * kz)
         if length > TINY_M:
             nx, ny, nz = kx / length, ky / length, kz / length
-    reach = sqrt(max(radius_m * radius_m - a * a, 0.0))
+    reach = sqrt(radius_m * radius_m - a * a)
     return reach * nx - px, reach * ny - py, reach * nz - pz, nx, ny, nz

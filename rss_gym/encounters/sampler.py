@@ -15,7 +15,8 @@ from rss_gym.physics.geometry import least_square_separation
 from rss_gym.physics.random import uniform
 from rss_gym.records import STREAM_SAMPLER
 
-ATTEMPTS = 1000
+ATTEMPTS = 20000
+FAMILY_ATTEMPTS = 1000  # then the family is drawn again: the agent's path, once laid, may leave no room for it
 DRAWS = 16  # uniforms reserved for one attempt of one intruder
 TURN_EARLIEST_S, TURN_LATEST_S = 20.0, 6.0  # before the closest approach
 
@@ -117,18 +118,21 @@ def draw(key, config, families, aircraft, intruders):
     family_index = 0
     first_approach_s = 0.0
     end_s = 0.0
+    own_speed = config.cruise_min_mps  # drawn with the first intruder, kept for the others
     for k in range(intruders):
         intruder = aircraft[1 + k]
         index = k * ATTEMPTS * DRAWS
-        law_index = 0
-        choose = uniform(key, STREAM_SAMPLER, index)
-        while choose > families[law_index].weight:
-            law_index += 1
-        law = families[law_index]
-        conflict = uniform(key, STREAM_SAMPLER, index + 1) < law.conflict_share
+        law_index, law, conflict = 0, families[0], False
         accepted = False
         for attempt in range(ATTEMPTS):
             at = index + attempt * DRAWS
+            if attempt % FAMILY_ATTEMPTS == 0:
+                law_index = 0
+                choose = uniform(key, STREAM_SAMPLER, at)
+                while choose > families[law_index].weight:
+                    law_index += 1
+                law = families[law_index]
+                conflict = uniform(key, STREAM_SAMPLER, at + 1) < law.conflict_share
             speed_span = config.cruise_max_mps - config.cruise_min_mps
             speed = config.cruise_min_mps + speed_span * uniform(key, STREAM_SAMPLER, at + 2)
             crossing = signed(uniform(key, STREAM_SAMPLER, at + 3), law.crossing_min_rad, law.crossing_max_rad)
@@ -152,10 +156,10 @@ def draw(key, config, families, aircraft, intruders):
                 ovx, ovy = own_speed * cos(own_heading), own_speed * sin(own_heading)
                 ox, oy, oz = 0.0, 0.0, config.altitude_m
             else:
-                # Another time on the agent's path; its leg there gives position and heading.
-                own_s = config.time_to_approach_max_s * uniform(key, STREAM_SAMPLER, at + 9)
+                # The same law of time; the agent's leg at that time gives its position and heading.
+                square = own_speed * own_speed + speed * speed - 2.0 * own_speed * speed * cos(crossing)
+                own_s = start_m / sqrt(max(square, config.closing_min_mps * config.closing_min_mps))
                 ox, oy, oz, ovx, ovy, _ = planned(agent, leg_at(agent, 0, own_s), own_s)
-                own_speed = sqrt(ovx * ovx + ovy * ovy)
             c, s = cos(crossing), sin(crossing)
             ux, uy = ovx / own_speed, ovy / own_speed
             dx, dy = ux * c - uy * s, uy * c + ux * s  # the intruder's direction

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from rss_gym.params import Params
 from rss_gym.physics.geometry import enters_cylinder, least_square_separation
 
-STEPS = 4001
+STEPS = 2001
 ZONE = Params().zone
 RADIUS, HALF_HEIGHT = ZONE.snmac_horizontal_m, ZONE.snmac_vertical_m
 
@@ -85,10 +85,10 @@ def test_cylinder_is_the_brute_force_answer(r, v, period_s):
 
 
 def test_cylinder_random():
-    """3,000 passes of one second; the steps decide all but a handful."""
+    """2,000 passes of one second; the steps decide all but a handful."""
     rng = np.random.default_rng(6)
     wrong = decided = inside = 0
-    for _ in range(3000):
+    for _ in range(2000):
         r, v = rng.uniform((-30, -30, -10), (30, 30, 10)), rng.uniform(-30, 30, 3)
         v[rng.integers(3)] *= rng.integers(2)
         depth, slack = _brute_cylinder(r, v, 1.0, RADIUS, HALF_HEIGHT)
@@ -97,8 +97,8 @@ def test_cylinder_random():
         decided, inside = decided + 1, inside + (depth > 0.0)
         wrong += enters_cylinder(*r, *v, 1.0, RADIUS, HALF_HEIGHT) != (depth > 0.0)
     assert wrong == 0
-    assert decided > 2950
-    assert 0.2 < inside / decided < 0.8
+    assert decided > 1990
+    assert 0.1 < inside / decided < 0.9
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """The window: `rss_gym.render.window`."""
 
+import sys
 import time
 
 import numpy as np

@@ -1,0 +1,149 @@
+"""Flies a policy over numbered episodes and fills the episode table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rss_gym.core import SPLITS, Batch, decode
+from rss_gym.eval.table import TABLE
+from rss_gym.params import Params
+from rss_gym.physics.random import uniform
+
+STREAM_SAMPLE = 800  # of the counter-based noise: which decision of an encounter is sampled
+COLUMNS_OF_EPISODE = (
+    "family channel approach_s collision snmac zone min_separation_m closest_s deviation_max_m flown_m warned_s "
+    "false_alerts"
+).split()
+
+
+class PolicyError(RuntimeError):
+    """A policy raised, or returned something that is not a batch of actions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Consecutive episodes of one seed and split, flown side by side."""
+
+    split: str
+    seed: int
+    first: int
+    count: int
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Episode numbers, shape (count,)."""
+        return np.arange(self.first, self.first + self.count, dtype=np.uint64)
+
+
+def start(world: Params, block: Block) -> Batch:
+    """A batch on the first decision of the block's episodes."""
+    batch, everything = Batch(world, block.count), np.ones(block.count, bool)
+    batch.seed(np.full(block.count, block.seed, np.uint64))
+    batch.split[:], batch.numbers[:] = SPLITS[block.split], block.numbers
+    batch.reset(everything)
+    return batch
+
+
+def command(policy: Any, name: str, observations: np.ndarray, state: Any, first: np.ndarray) -> tuple[Any, Any]:
+    """Ask the policy; its argument is a copy, so it cannot change what is scored."""
+    try:
+        return policy.predict(observations.copy(), state=state, episode_start=first, deterministic=True)
+    except Exception as error:
+        raise PolicyError(f"policy {name!r} raised {type(error).__name__}: {error}") from error
+
+
+def checked(actions: Any, name: str, world: Params, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Decoded actions (n, 3), and the rows whose action is not finite, which fly on with zero."""
+    values = np.array(actions)
+    if values.dtype.kind == "f" and values.ndim == 2 and len(values) == count:
+        bad = ~np.isfinite(values).all(axis=1)
+        values[bad] = 0.0
+    else:
+        bad = np.zeros(count, bool)
+    try:
+        return decode(values, world, count), bad
+    except (TypeError, ValueError) as error:
+        raise PolicyError(f"policy {name!r}: {error}") from error
+
+
+def fly(
+    policy: Any,
+    name: str,
+    world: Params,
+    block: Block,
+    nominal: list[np.ndarray] | None = None,
+    watch: Callable[[Batch], None] | None = None,
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Fly every episode of the block to its end.
+
+    Parameters
+    ----------
+    policy : Policy
+        Anything with SB3's `predict`.
+    name : str
+        For error sentences.
+    world : Params
+        The policy's world.
+    block : Block
+        Which episodes.
+    nominal : list of (count, 3) arrays, optional
+        The agent's positions in the flights of `none`, one array a decision; None where this is `none`.
+    watch : callable, optional
+        Called with the batch after the reset and after every decision.
+
+    Returns
+    -------
+    table : (count,) array of TABLE
+    positions : list of (count, 3) arrays
+        The agent's positions after each decision, held once an episode has ended.
+
+    Raises
+    ------
+    PolicyError
+        When the policy raises or returns actions of the wrong shape or type.
+    """
+    batch = start(world, block)
+    episode, count = batch.episode, block.count
+    table = np.zeros(count, TABLE)
+    decisions = episode["ticks"] // world.clock.ticks_per_decision
+    keys = episode["key"]
+    sampled = np.array([int(uniform(keys[i], STREAM_SAMPLE, 0) * decisions[i]) for i in range(count)])
+    deviation_ticks, done, state = np.zeros(count), np.zeros(count, bool), None
+    positions: list[np.ndarray] = []
+    if watch:
+        watch(batch)
+    while not done.all():
+        step = len(positions)
+        take = ~done & (sampled == step)
+        aircraft = batch.world.aircraft["position_m"]
+        table["sample_separation_m"][take] = np.linalg.norm(aircraft[take, 1] - aircraft[take, 0], axis=1)
+        table["sample_range_m"][take] = batch.world.links["range_m"][take, 0]
+        actions, state = command(policy, name, batch.observations, state, np.full(count, step == 0))
+        decoded, bad = checked(actions, name, world, count)
+        table["fault"] |= bad & ~done
+        before = episode["tick"].copy()
+        batch.step(decoded, done)
+        deviation_ticks += np.where(done, 0.0, episode["deviation_m"] * (episode["tick"] - before))
+        table["cost"] -= np.where(done, 0.0, episode["reward_tracking"] + episode["reward_effort"])
+        here = batch.world.aircraft["position_m"][:, 0].copy()
+        if nominal is not None:
+            # Where `none` ended in a collision its position is held; only encounters it survives are ever judged.
+            apart = np.linalg.norm(here - nominal[min(step, len(nominal) - 1)], axis=1)
+            np.maximum(table["manoeuvre_m"], np.where(done, 0.0, apart), out=table["manoeuvre_m"])
+        positions.append(here)
+        if watch:
+            watch(batch)
+        done = episode["terminated"] | episode["truncated"]
+    for column in COLUMNS_OF_EPISODE:
+        table[column] = episode[column]
+    table["episode"], table["missed_ticks"] = block.numbers, episode["missed"]
+    table["duration_s"] = episode["ticks"] * world.clock.tick_s
+    table["flown_s"] = episode["tick"] * world.clock.tick_s
+    table["deviation_mean_m"] = deviation_ticks / episode["tick"]
+    speed = np.linalg.norm(batch.world.aircraft["planned_mps"][:, 0], axis=1)
+    table["planned_m"] = speed * table["flown_s"]
+    return table, positions

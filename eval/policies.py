@@ -1,0 +1,73 @@
+"""What the evaluator accepts as a policy, by name, by `module:attribute`, or as an object."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from rss_gym import baselines
+from rss_gym.baselines.policy import Scripted
+from rss_gym.params import Params, ParamsError
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A policy to score: its name in tables, how to build it again, and the world it flies in."""
+
+    name: str
+    spec: str
+    policy: Any
+    world: Params
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the specification and of the interface it flies with."""
+        text = json.dumps([self.spec, self.world.interface.to_dict()], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
+    """The policy as an `Entry` of a world.
+
+    Parameters
+    ----------
+    policy : str or object
+        A name of `rss_gym.baselines.POLICIES` with options, `module:attribute` (an object with `predict`, or a
+        function that takes the `Params` and returns one), or an object with `predict`.
+    world : Params
+        The suite's world.
+
+    Raises
+    ------
+    ParamsError
+        For an unknown name, a module or attribute that cannot be imported, or an object without `predict`.
+    """
+    spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
+    if isinstance(policy, str):
+        known = policy.partition(":")[0] in baselines.POLICIES
+        policy = baselines.make(policy, world) if known or ":" not in policy else _imported(policy, world)
+    if not callable(getattr(policy, "predict", None)):
+        raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
+    if isinstance(policy, Scripted):
+        flown = policy.world
+        if flown.interface.track not in (world.interface.track, "oracle"):
+            raise ParamsError(
+                f"policy {spec!r} needs track {flown.interface.track!r}, but the suite is on track "
+                f"{world.interface.track!r}"
+            )
+        world = flown
+    return Entry(name or spec, spec, policy, world)
+
+
+def _imported(spec: str, world: Params) -> Any:
+    module, _, attribute = spec.partition(":")
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ParamsError(f"policy {spec!r} is neither a known name nor module:attribute ({error})") from error
+    if hasattr(found, "predict") and not isinstance(found, type):
+        return found
+    return found(world)

@@ -1,0 +1,138 @@
+"""Writes a run: `scores.json`, and one episode table a policy, `.npz` without objects and on request `.csv`."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+import platform
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rss_gym.eval.evaluate import Result, Scored
+from rss_gym.params import ParamsError
+
+SCORES, TABLES = "scores.json", "tables"
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that the numbers could depend on."""
+    found = {"python": platform.python_version(), "machine": platform.machine()}
+    for name in ("rss-gym", "numpy", "numba", "scipy", "gymnasium"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+@contextmanager
+def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
+    """A temporary folder beside `out` that becomes `out` when the block ends without an error.
+
+    Raises
+    ------
+    ParamsError
+        If `out` exists and is not an empty folder, or cannot be written.
+    """
+    target = check_new(out)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    try:
+        yield temporary
+        temporary.chmod(0o755)
+        if target.is_dir():
+            target.rmdir()
+        temporary.rename(target)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def check_new(out: str | os.PathLike[str]) -> Path:
+    """The absolute path of a folder that can be made; called before a long run, not after it.
+
+    Raises
+    ------
+    ParamsError
+        As `new_folder`.
+    """
+    target = Path(out).absolute()
+    if target.is_dir() and any(target.iterdir()):
+        raise ParamsError(f"output folder {str(out)!r} exists and is not empty; name a new one")
+    if target.exists() and not target.is_dir():
+        raise ParamsError(f"output folder {str(out)!r} is a file; name a new folder")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+    except OSError as error:
+        raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
+    return target
+
+
+def save(result: Result, out: str | os.PathLike[str], with_csv: bool = False) -> Path:
+    """Write `scores.json` and the tables into the new folder `out`; nothing is left behind on an error."""
+    with new_folder(out) as folder:
+        (folder / TABLES).mkdir()
+        policies = []
+        for index, scored in enumerate(result.policies):
+            stem = f"{index:02d}-{re.sub('[^A-Za-z0-9.=_-]+', '-', scored.entry.name)[:80]}"
+            policies.append(_policy(scored, write_table(folder / TABLES, stem, scored.table, with_csv)))
+        _write_json(folder / SCORES, document(result, policies))
+    return Path(out)
+
+
+def document(result: Result, policies: list[dict[str, Any]]) -> dict[str, Any]:
+    """`scores.json` as a dict."""
+    return {
+        "suite": result.suite.name,
+        "suite_hash": result.suite.hash,
+        "split": result.suite.split,
+        "seed": result.seed,
+        "episodes": result.episodes,
+        "official": result.official,
+        "families": result.suite.families,
+        "params": result.suite.params.to_dict(),
+        "versions": versions(),
+        "policies": policies,
+    }
+
+
+def _policy(scored: Scored, written: dict[str, str]) -> dict[str, Any]:
+    return {
+        "name": scored.entry.name,
+        "spec": scored.entry.spec,
+        "hash": scored.entry.hash,
+        "track": scored.entry.world.interface.track,
+        "metrics": {name: estimate.to_dict() for name, estimate in scored.metrics.items()},
+        **written,
+    }
+
+
+def write_table(folder: Path, stem: str, table: np.ndarray, with_csv: bool) -> dict[str, str]:
+    """Write one table, a column an array; returns its file name and the digest of its bytes."""
+    assert table.dtype.names is not None
+    np.savez_compressed(folder / f"{stem}.npz", **{name: table[name] for name in table.dtype.names})
+    if with_csv:
+        with open(folder / f"{stem}.csv", "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(table.dtype.names)
+            writer.writerows(table.tolist())
+    return {"table": f"{TABLES}/{stem}.npz", "table_sha256": table_digest(table)}
+
+
+def table_digest(table: np.ndarray) -> str:
+    """SHA-256 of a table's rows in memory, which is the same on every machine; a compressed file's is not."""
+    return hashlib.sha256(np.ascontiguousarray(table).tobytes()).hexdigest()
+
+
+def _write_json(path: Path, value: Any) -> None:
+    path.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n", encoding="utf-8")

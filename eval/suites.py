@@ -1,0 +1,90 @@
+"""Suites: frozen, hashed definitions of what is flown. A new suite is one line in `SUITES`.
+
+The hash covers the parameters, the families of encounters and the version of the world, so scores of two definitions
+can never be mixed up.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+from rss_gym import encounters
+from rss_gym.params import Params, ParamsError, suggestion
+
+# Raised whenever the world itself gives other numbers for the same parameters.
+WORLD_VERSION = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Suite:
+    """A benchmark: a world, the split and seed of its episodes, and how many count as official.
+
+    Parameters
+    ----------
+    name, summary : str
+    params : Params
+        The world; a policy may only change the part of it that is its interface.
+    episodes : int
+        Encounters of an official run.
+    """
+
+    name: str
+    summary: str
+    params: Params = field(default_factory=Params)
+    episodes: int = 100_000
+    split: str = "suite"
+    seed: int = 0
+
+    @property
+    def families(self) -> list[str]:
+        """Names of the families drawn from; the episode table holds indices into this list."""
+        return encounters.chosen(self.params.encounter)
+
+    @property
+    def definition(self) -> dict[str, Any]:
+        """Everything that the hash covers, as plain JSON types."""
+        families = {name: dataclasses.asdict(encounters.FAMILIES[name]) for name in self.families}
+        return {
+            "name": self.name,
+            "world_version": WORLD_VERSION,
+            "params": self.params.to_dict(),
+            "families": families,
+            "split": self.split,
+        }
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the definition, hexadecimal."""
+        return hashlib.sha256(json.dumps(self.definition, sort_keys=True).encode()).hexdigest()
+
+    def changed(self, **keywords: Any) -> Suite:
+        """This suite with other parameters; a change changes the hash, and such runs are not official."""
+        return dataclasses.replace(self, params=Params.of(self.params, **keywords)) if keywords else self
+
+
+SUITES: dict[str, Suite] = {
+    suite.name: suite
+    for suite in (
+        Suite("encounter-v0", "the default world, planar"),
+        Suite("encounter3d-v0", "the default world in space", Params.of(planar=False)),
+        Suite("range-only-v0", "ranges and velocities, no positions", Params.of(track="range")),
+        Suite("smoke-v0", "100 encounters, for continuous integration", episodes=100),
+    )
+}
+
+
+def find(name: str) -> Suite:
+    """The suite of that name.
+
+    Raises
+    ------
+    ParamsError
+        For an unknown name.
+    """
+    if name not in SUITES:
+        raise ParamsError(f"suite {name!r} is unknown{suggestion(name, SUITES)}")
+    return SUITES[name]

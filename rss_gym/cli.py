@@ -1,0 +1,114 @@
+"""The command `rss-gym`. Every sub-command imports what it needs when it runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+DEMO_EPISODES = 10_000
+DEMO_RADII_M = (15, 20, 30, 40, 60, 80, 120)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns the exit status, 2 for bad input."""
+    options = _parser().parse_args(arguments)
+    from rss_gym.params import ParamsError
+
+    try:
+        options.run(options)
+    except ParamsError as error:
+        print(f"rss-gym: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("rss-gym: interrupted; nothing was written", file=sys.stderr)
+        return 130
+    except Exception as error:
+        from rss_gym.eval.episodes import PolicyError
+
+        if not isinstance(error, PolicyError):
+            raise
+        print(f"rss-gym: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="rss-gym", description="UAV collision avoidance with ranges from radio signal strength.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    command = commands.add_parser("list", help="ids, policies, channel presets, families and suites")
+    command.add_argument("--json", action="store_true", help="as JSON")
+    command.set_defaults(run=_list)
+
+    command = commands.add_parser("eval", help="score policies on the same encounters")
+    command.add_argument("--policy", nargs="+", required=True, metavar="NAME", help="such as none orthogonal:radius_m=60")
+    command.add_argument("--suite", default="encounter-v0")
+    command.add_argument("--episodes", type=int, help="default: the suite's")
+    command.add_argument("--seed", type=int, help="default: the suite's")
+    command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
+    command.add_argument("--track", help="oracle, paper or range")
+    command.add_argument("--estimator", help="ekf-coloured, ekf-white or ls")
+    command.add_argument("--families", nargs="+")
+    command.add_argument("--workers", type=int, default=1)
+    command.add_argument("--reference", metavar="NAME", help="policy that completed-only figures are compared with")
+    command.add_argument("--out", required=True, metavar="DIR", help="new folder for scores and tables")
+    command.add_argument("--csv", action="store_true", help="tables as CSV too")
+    command.add_argument("--json", action="store_true", help="print scores.json instead of the table")
+    command.set_defaults(run=_eval)
+
+    command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
+    command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
+    command.add_argument("--workers", type=int, default=2)
+    command.set_defaults(run=_demo)
+    return parser
+
+
+def _list(options: argparse.Namespace) -> None:
+    from rss_gym.listing import listing
+
+    content = listing()
+    if options.json:
+        print(json.dumps(content, indent=1))
+        return
+    for title, rows in content.items():
+        print(f"{title}:")
+        width = max(len(name) for name in rows)
+        for name, text in rows.items():
+            print(f"  {name:<{width}}  {text}")
+
+
+def _eval(options: argparse.Namespace) -> None:
+    from rss_gym.eval import evaluate, records
+
+    records.check_new(options.out)
+    names = ("channel", "track", "estimator", "families")
+    changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    result = evaluate(
+        options.policy,
+        suite=options.suite,
+        episodes=options.episodes,
+        seed=options.seed,
+        workers=options.workers,
+        reference=options.reference,
+        **changes,
+    )
+    folder = records.save(result, options.out, options.csv)
+    if options.json:
+        print((folder / records.SCORES).read_text(encoding="utf-8"), end="")
+        return
+    from rss_gym.eval.text import table
+
+    print(table(result))
+    print(f"scores: {folder / records.SCORES}")
+
+
+def _demo(options: argparse.Namespace) -> None:
+    from rss_gym.eval import evaluate
+    from rss_gym.eval.text import table
+
+    policies = ["none", *(f"orthogonal:radius_m={radius}" for radius in DEMO_RADII_M)]
+    print(f"Flying {len(policies)} policies over the same {options.episodes} encounters; the first run on a machine compiles for about half a minute.")
+    print(table(evaluate(policies, episodes=options.episodes, workers=options.workers)))

@@ -1,0 +1,290 @@
+"""The published distribution of encounters: limits, closest approaches, symmetry, shares. Paths recomputed in NumPy."""
+
+import functools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from rss_gym import encounters
+from rss_gym.core import Batch
+from rss_gym.params import Encounter, Params, ParamsError
+from rss_gym.records import MAX_WAY_POINTS
+
+N = 4000
+ENCOUNTER, TAIL_S = Params().encounter, Params().clock.tail_s
+START_MIN_M = ENCOUNTER.start_range_min * ENCOUNTER.start_range_unit_m
+START_MAX_M = ENCOUNTER.start_range_max * ENCOUNTER.start_range_unit_m
+NAMES = [*encounters.FAMILIES, encounters.MIXED]
+STRAIGHT = [name for name, family in encounters.FAMILIES.items() if family.turn_rad is None]
+SIGMAS = 4.5  # of a statistic that is normal under the published law: 7e-6 two-sided, on fixed seeds
+
+
+def fresh(n=N, **keywords):
+    batch = Batch(Params.of(**keywords), n)
+    batch.seed(np.arange(n, dtype=np.uint64))
+    batch.reset(np.ones(n, bool))
+    return batch
+
+
+def way_points(craft):
+    """Times and positions of one polyline, its last leg prolonged by an hour; shapes (p + 1,) and (p + 1, 3)."""
+    points = craft["path_points"]
+    times, path = craft["path_s"][:points], craft["path_m"][:points]
+    velocity = (path[-1] - path[-2]) / (times[-1] - times[-2])
+    return np.append(times, times[-1] + 3600.0), np.vstack([path, path[-1] + 3600.0 * velocity])
+
+
+def fly_plan(craft, times_s):
+    """Positions on the predefined trajectory; shape (len(times_s), 3)."""
+    times, path = way_points(craft)
+    return np.stack([np.interp(times_s, times, path[:, axis]) for axis in range(3)], axis=-1)
+
+
+def velocity_at(craft, time_s):
+    times, path = way_points(craft)
+    leg = min(np.searchsorted(times, time_s, side="right") - 1, len(times) - 2)
+    return (path[leg + 1] - path[leg]) / (times[leg + 1] - times[leg])
+
+
+@functools.cache
+def drawn(name, planar=True, intruders=1):
+    """Encounters of a family, and what NumPy reads from the last intruder's path: one array per quantity."""
+    batch = fresh(families=name, planar=planar, intruders=intruders, n=N if intruders == 1 else 600)
+    rows = []
+    for episode, (agent, *others) in zip(batch.episode, batch.world.aircraft, strict=True):
+        intruder = others[-1]
+        # Each intruder's path is laid until its closest approach + tail_s.
+        approach_s = intruder["path_s"][intruder["path_points"] - 1] - TAIL_S
+        end_s = episode["ticks"] * batch.params.clock.tick_s
+        # Steps of 0.1 s over the flight, through the closest approach exactly.
+        times = approach_s + 0.1 * np.arange(np.ceil(-10.0 * approach_s), np.floor(10.0 * (end_s - approach_s)) + 1)
+        relative = fly_plan(intruder, times) - fly_plan(agent, times)
+        r = (fly_plan(intruder, [approach_s]) - fly_plan(agent, [approach_s]))[0]
+        own_v, v = velocity_at(agent, approach_s), velocity_at(intruder, approach_s)
+        closing = v - own_v
+        cosine, sine = own_v[:2] @ v[:2], own_v[0] * v[1] - own_v[1] * v[0]
+        ahead = approach_s - 20.0
+        if intruders == 1 and ahead > 0.0:
+            start = (fly_plan(intruder, [ahead]) - fly_plan(agent, [ahead]))[0]
+            guess = velocity_at(intruder, ahead) - velocity_at(agent, ahead)
+            extrapolated = np.linalg.norm(start - guess * (start @ guess) / (guess @ guess))
+        else:
+            extrapolated = np.nan
+        rows.append(
+            SimpleNamespace(
+                approach_s=approach_s,
+                first_approach_s=episode["approach_s"],
+                end_s=end_s,
+                speeds=np.linalg.norm([own_v, v], axis=1),
+                closing=np.linalg.norm(closing),
+                crossing=np.arctan2(sine, cosine),
+                miss=np.linalg.norm(r),
+                along=r @ closing / np.linalg.norm(closing),
+                horizontal=(r[1] * closing[0] - r[0] * closing[1]) / np.linalg.norm(closing),
+                vertical=r[2],
+                least=np.min(np.linalg.norm(relative, axis=1)),
+                start=np.linalg.norm(fly_plan(intruder, [0.0]) - fly_plan(agent, [0.0])),
+                own=fly_plan(agent, [approach_s])[0],
+                heading=np.arctan2(own_v[1], own_v[0]),
+                extrapolated=extrapolated,
+                family=episode["family"],
+            )
+        )
+    return SimpleNamespace(**{key: np.array([getattr(row, key) for row in rows]) for key in vars(rows[0])})
+
+
+def assert_limits(d):
+    """The limits that every accepted draw meets."""
+    assert np.all(d.closing >= ENCOUNTER.closing_min_mps - 1e-9)
+    assert np.all(d.closing <= 2.0 * ENCOUNTER.cruise_max_mps + 1e-9)
+    assert np.all(d.approach_s <= ENCOUNTER.time_to_approach_max_s + 1e-9)
+    assert np.all(d.approach_s > 0.0)
+    assert np.all(d.speeds >= ENCOUNTER.cruise_min_mps - 1e-9)
+    assert np.all(d.speeds <= ENCOUNTER.cruise_max_mps + 1e-9)
+    # The start range along the approach; the miss distance comes on top.
+    assert np.all(d.start >= START_MIN_M - 1e-5)
+    assert np.all(d.start <= np.hypot(START_MAX_M, d.miss) + 1e-5)
+    # The planned approach is where the paths are nearest: perpendicular, and nowhere 0.1 m nearer in the flight.
+    np.testing.assert_allclose(d.along, 0.0, atol=1e-6)
+    assert np.all(d.least <= d.miss + 1e-9)
+    assert np.all(d.least >= d.miss - 0.1 - 1e-6)
+
+
+def assert_symmetric(values):
+    """As many positive as negative ones."""
+    positive = np.sum(values > 0.0)
+    assert abs(positive - 0.5 * len(values)) < SIGMAS * 0.5 * np.sqrt(len(values))
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("name", NAMES)
+def test_limits_and_planned_closest_approach(name, planar):
+    d = drawn(name, planar)
+    assert_limits(d)
+    np.testing.assert_allclose(d.approach_s, d.first_approach_s, rtol=1e-12)
+    np.testing.assert_allclose(d.own, np.tile([0.0, 0.0, ENCOUNTER.altitude_m], (N, 1)), atol=1e-9)
+    # The clock runs out at the first decision not before t_CPA + tail_s.
+    late = d.end_s - (d.approach_s + TAIL_S)
+    assert np.all((late > -1e-6) & (late < Params().clock.decision_s))
+    if planar:
+        assert np.all(d.vertical == 0.0)
+
+
+@pytest.mark.parametrize("name", list(encounters.FAMILIES))
+def test_closest_approaches_are_those_of_the_law(name):
+    """Signs are even; the share of conflicts and the spread of the others are as published."""
+    family, d, limit = encounters.FAMILIES[name], drawn(name), ENCOUNTER.conflict_offset_m
+    low, high = family.offset_m or (0.0, ENCOUNTER.horizontal_offset_m)
+    size = abs(d.horizontal)
+    assert_symmetric(d.horizontal)
+    assert np.all(size <= max(high, limit) + 1e-6)
+    if family.conflict_share == 0.0:
+        assert np.all(size >= low - 1e-6)
+    # Beyond the conflicts' offsets a share (high - limit) / high of the others is found.
+    others = size > limit
+    share = (1.0 - family.conflict_share) * (high - max(low, limit)) / (high - low)
+    assert abs(np.mean(others) - share) < SIGMAS * np.sqrt(max(share * (1.0 - share), 1e-12) / N) + 1e-9
+    if name in STRAIGHT:  # redrawn turns prefer no offset over another
+        law = stats.uniform(max(low, limit), high - max(low, limit))
+        assert stats.kstest(size[others], law.cdf).pvalue > 1e-4
+        if family.conflict_share > 0.0:
+            assert stats.kstest(size[~others], stats.uniform(0.0, limit).cdf).pvalue > 1e-4
+
+
+@pytest.mark.parametrize("name", list(encounters.FAMILIES))
+def test_crossing_angles(name):
+    """In the family's range, both sides alike, and uniform where no speeds can make a draw too slow."""
+    family, d = encounters.FAMILIES[name], drawn(name)
+    low, high = family.crossing_rad
+    size = abs(d.crossing)
+    assert np.all((size >= low - 1e-6) & (size <= high + 1e-6))
+    if high - low > 0.0:
+        assert_symmetric(d.crossing)
+    # Two aircraft at cruise_min close at 2 v sin(angle / 2): fast enough for the longest start range from here on.
+    slowest = START_MAX_M / ENCOUNTER.time_to_approach_max_s
+    safe = max(low, 2.0 * np.arcsin(slowest / (2.0 * ENCOUNTER.cruise_min_mps)))
+    if name in STRAIGHT and high - safe > 0.1:
+        assert stats.kstest(size[size > safe], stats.uniform(safe, high - safe).cdf).pvalue > 1e-4
+
+
+def test_headings_are_uniform():
+    d = drawn("mixed")
+    assert stats.kstest(d.heading, stats.uniform(-np.pi, 2.0 * np.pi).cdf).pvalue > 1e-4
+
+
+def test_vertical_offsets_in_space():
+    d = drawn("no-conflict", False)
+    assert_symmetric(d.vertical)
+    assert stats.kstest(abs(d.vertical), stats.uniform(0.0, ENCOUNTER.vertical_offset_m).cdf).pvalue > 1e-4
+    d = drawn("head-on", False)
+    conflict = abs(d.horizontal) <= ENCOUNTER.conflict_offset_m
+    assert np.mean(abs(d.vertical[conflict]) <= 0.5 * ENCOUNTER.conflict_offset_m) > 0.9
+
+
+def test_turns_defeat_straight_extrapolation():
+    """From the states 20 s before the closest approach, both still before their turns."""
+    d = drawn("turning")
+    known = ~np.isnan(d.extrapolated)
+    conflict = known & (d.miss <= ENCOUNTER.conflict_offset_m)
+    assert np.sum(conflict) > 1000
+    assert np.mean(d.extrapolated[conflict] > 10.0) > 0.8
+    for name in STRAIGHT:
+        d = drawn(name)
+        known = ~np.isnan(d.extrapolated)
+        np.testing.assert_allclose(d.extrapolated[known], d.miss[known], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_paths_are_polylines_at_constant_speed(name):
+    for row in fresh(200, families=name, intruders=2).world.aircraft:
+        for craft in row:
+            assert 2 <= craft["path_points"] <= MAX_WAY_POINTS
+            times, path = way_points(craft)
+            assert times[0] == 0.0
+            assert np.all(np.diff(times) > 0.0)
+            speeds = np.linalg.norm(np.diff(path, axis=0), axis=1) / np.diff(times)
+            np.testing.assert_allclose(speeds, speeds[0], rtol=1e-9)
+            assert np.ptp(path[:, 2]) == 0.0
+            np.testing.assert_array_equal(craft["position_m"], path[0])
+            turning = name == "turning" or (name == "mixed" and craft["path_points"] > 2)
+            assert craft["path_points"] == (3 if turning else 2)
+
+
+@pytest.mark.parametrize("intruders", range(2, 9))
+def test_every_intruder_is_within_the_limits(intruders):
+    """The last of 2-8 intruders; the earlier ones are those of smaller worlds (next test)."""
+    assert_limits(drawn("mixed", intruders=intruders))
+
+
+def test_an_intruder_does_not_depend_on_how_many_follow():
+    few, many = fresh(200, intruders=3).world.aircraft, fresh(200, intruders=8).world.aircraft
+    for name in ("path_m", "path_s", "path_points"):
+        assert np.array_equal(few[name], many[name][:, :4])
+
+
+def test_number_of_intruders_is_drawn():
+    batch = fresh(2000, intruders=8, intruders_min=1)
+    counts = np.bincount(batch.episode["intruders"], minlength=9)
+    assert counts[0] == 0
+    assert stats.chisquare(counts[1:]).pvalue > 1e-4
+
+
+def test_about_two_fifths_collide_if_nobody_acts():
+    shares = {}
+    for planar in (True, False):
+        # The radio is left out: zero action does not listen.
+        batch = fresh(planar=planar, intruder="gnss", estimator="ls", channel={"sensitivity_dbm": 0.0})
+        done, actions = np.zeros(N, bool), np.zeros((N, 3))
+        while not done.all():
+            batch.step(actions, done)
+            done |= batch.episode["terminated"] | batch.episode["truncated"]
+        shares[planar] = float(np.mean(batch.episode["collision"]))
+    print(f"\nshare of {N} mixed encounters that collide under zero action: plane {shares[True]}, space {shares[False]}")
+    assert 0.35 < shares[True] < 0.45
+    assert 0.30 < shares[False] < 0.45
+
+
+# -- registry ---------------------------------------------------------------------------------------------------------
+
+
+def test_weights_are_shares():
+    assert sum(family.weight for family in encounters.FAMILIES.values()) == pytest.approx(1.0, abs=1e-12)
+    table = encounters.records(Encounter())
+    assert table["weight"][-1] == 1.0
+    np.testing.assert_allclose(np.diff(table["weight"], prepend=0.0), [f.weight for f in encounters.FAMILIES.values()])
+
+
+def test_mixed_draws_by_weight():
+    counts = np.bincount(drawn("mixed").family, minlength=len(encounters.FAMILIES))
+    assert stats.chisquare(counts, N * np.array([f.weight for f in encounters.FAMILIES.values()])).pvalue > 1e-4
+
+
+@pytest.mark.parametrize("name", list(encounters.FAMILIES))
+def test_every_family_is_reachable_by_name(name):
+    family = encounters.FAMILIES[name]
+    assert encounters.chosen(Encounter(families=name)) == [name]
+    assert family.weight > 0.0
+    assert 0.0 <= family.conflict_share <= 1.0
+    for low, high in (family.crossing_rad, family.turn_rad or (0.0, 0.0)):
+        assert 0.0 <= low <= high <= np.pi + 1e-12
+    assert family.summary
+    assert not family.summary.endswith(".")
+    assert np.all(drawn(name).family == 0)
+
+
+def test_several_families_and_unknown_ones():
+    assert encounters.chosen(Encounter(families=("turning", "crossing"))) == ["crossing", "turning"]
+    assert encounters.chosen(Encounter()) == list(encounters.FAMILIES)
+    batch = fresh(2000, families=("turning", "crossing"))
+    weights = np.array([encounters.FAMILIES[name].weight for name in ("crossing", "turning")])
+    assert stats.chisquare(np.bincount(batch.episode["family"]), 2000 * weights / weights.sum()).pvalue > 1e-4
+    with pytest.raises(ParamsError, match="did you mean 'crossing'"):
+        encounters.chosen(Encounter(families="crosing"))
+
+
+def test_impossible_limits_are_refused_with_a_sentence():
+    """Slow aircraft that start far away cannot meet within five seconds."""
+    with pytest.raises(ParamsError, match="no encounter of families"):
+        fresh(1, time_to_approach_max_s=5.0)
