@@ -12,6 +12,8 @@ from rss_gym.baselines.policy import Scripted
 from rss_gym.jit import kernel
 from rss_gym.params import ParamsError, number
 
+STILL_MPS = 0.5  # an intruder slower than this counts as hovering
+
 
 def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
     """The components along, right and up of a named vector as one array, shape (..., 3); a missing `up` is zero."""
@@ -52,8 +54,10 @@ def _steer(error_m, cruise_mps, told, position_m, velocity_mps, age_s, radius_m,
             memory[row, :] = 0.0
             memory[row, 0] = nearest + 1.0
         v = velocity_mps[row, nearest]
+        # Below this the announced direction is mostly error and gusts.
+        moving = 1.0 if v[0] * v[0] + v[1] * v[1] + v[2] * v[2] >= STILL_MPS * STILL_MPS else 0.0
         out[row, 0], out[row, 1], out[row, 2], memory[row, 1], memory[row, 2], memory[row, 3] = displacement(
-            nx, ny, nz, v[0], v[1], v[2], radius_m, memory[row, 1], memory[row, 2], memory[row, 3]
+            nx, ny, nz, moving * v[0], moving * v[1], moving * v[2], radius_m, memory[row, 1], memory[row, 2], memory[row, 3]
         )
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,17 +27,27 @@ class PolicyError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Consecutive episodes of one seed and split, flown side by side."""
+    """Episodes of one seed and split, flown side by side; `episodes` are their numbers, a range or any others."""
 
     split: str
     seed: int
-    first: int
-    count: int
+    episodes: Sequence[int]
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return len(self.episodes)
 
     @property
     def numbers(self) -> np.ndarray:
         """Episode numbers, shape (count,)."""
-        return np.arange(self.first, self.first + self.count, dtype=np.uint64)
+        return np.array(self.episodes, dtype=np.uint64)
+
+    def __str__(self) -> str:
+        """For error sentences."""
+        first, last = min(self.episodes), max(self.episodes)
+        numbers = f"episode {first}" if first == last else f"{self.count} episodes in {first}..{last}"
+        return f"{numbers} of seed {self.seed}, split {self.split!r}"
 
 
 def start(world: Params, block: Block) -> Batch:
@@ -51,23 +62,34 @@ def start(world: Params, block: Block) -> Batch:
 def command(policy: Any, name: str, observations: np.ndarray, state: Any, first: np.ndarray) -> tuple[Any, Any]:
     """Ask the policy; its argument is a copy, so it cannot change what is scored."""
     try:
-        return policy.predict(observations.copy(), state=state, episode_start=first, deterministic=True)
-    except Exception as error:
-        raise PolicyError(f"policy {name!r} raised {type(error).__name__}: {error}") from error
+        answer = policy.predict(observations.copy(), state=state, episode_start=first, deterministic=True)
+    except (Exception, SystemExit) as error:
+        raise PolicyError(f"policy {name!r} raised {described(error)}") from error
+    if not isinstance(answer, tuple) or len(answer) != 2:
+        raise PolicyError(
+            f"policy {name!r} must return (actions, state) as SB3's `predict` does, got {type(answer).__name__}"
+        )
+    return answer
+
+
+def described(error: BaseException) -> str:
+    """An exception in one line: type, text, and where it was raised."""
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    calls = traceback.extract_tb(error.__traceback__)
+    return f"{text} ({calls[-1].filename}:{calls[-1].lineno})" if calls else text
 
 
 def checked(actions: Any, name: str, world: Params, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Decoded actions (n, 3), and the rows whose action is not finite, which fly on with zero."""
-    values = np.array(actions)
-    if values.dtype.kind == "f" and values.ndim == 2 and len(values) == count:
-        bad = ~np.isfinite(values).all(axis=1)
-        values[bad] = 0.0
-    else:
-        bad = np.zeros(count, bool)
+    bad = np.zeros(count, bool)
     try:
+        values = np.array(actions)
+        if values.dtype.kind == "f" and values.ndim == 2 and len(values) == count:
+            bad = ~np.isfinite(values).all(axis=1)
+            values[bad] = 0.0
         return decode(values, world, count), bad
-    except (TypeError, ValueError) as error:
-        raise PolicyError(f"policy {name!r}: {error}") from error
+    except Exception as error:  # of whatever kind: `actions` is anything a policy may return
+        raise PolicyError(f"policy {name!r}: {' '.join(str(error).split())}") from error
 
 
 def fly(
@@ -122,8 +144,11 @@ def fly(
         aircraft = batch.world.aircraft["position_m"]
         table["sample_separation_m"][take] = np.linalg.norm(aircraft[take, 1] - aircraft[take, 0], axis=1)
         table["sample_range_m"][take] = batch.world.links["range_m"][take, 0]
-        actions, state = command(policy, name, batch.observations, state, np.full(count, step == 0))
-        decoded, bad = checked(actions, name, world, count)
+        try:
+            actions, state = command(policy, name, batch.observations, state, np.full(count, step == 0))
+            decoded, bad = checked(actions, name, world, count)
+        except PolicyError as error:
+            raise PolicyError(f"{error}; at decision {step} of {block}; nothing was scored") from error.__cause__
         table["fault"] |= bad & ~done
         before = episode["tick"].copy()
         batch.step(decoded, done)

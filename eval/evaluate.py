@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import sys
-from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,14 +11,16 @@ import numpy as np
 from tqdm import tqdm
 
 from rss_gym.core import checked_seed
-from rss_gym.eval.episodes import Block, PolicyError, fly
-from rss_gym.eval.metrics import METRICS, Estimate, Flights
+from rss_gym.eval.episodes import Block, described
+from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.policies import Entry, entry
 from rss_gym.eval.suites import Suite, find
+from rss_gym.eval.table import TABLE
+from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import ParamsError
 
 BLOCK = 2048  # episodes flown side by side; any value gives the same scores
-NOMINAL = "none"  # the denominator of every risk ratio
+NAME_MAX = 200  # characters of a policy's name
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,7 @@ class Result:
     episodes: int
     official: bool
     policies: tuple[Scored, ...]
+    reference: str
 
     def __getitem__(self, name: str) -> dict[str, Estimate]:
         """The metrics of the policy of that name."""
@@ -70,7 +70,7 @@ def evaluate(
     episodes, seed : int, optional
         Default: the suite's own, which make the run official.
     workers : int
-        Processes; more than one need policies given by name.
+        Processes. Policies given by name are built anew in each, objects are pickled.
     reference : str, optional
         Name of the policy that completed-only figures are compared with; default: the first one given.
     progress : bool, optional
@@ -85,7 +85,7 @@ def evaluate(
     ParamsError
         For unknown names, numbers out of range, or contradictions.
     PolicyError
-        When a policy raises, or returns something that is not a batch of actions.
+        When a policy raises, returns something that is not a batch of actions, or ends its process.
     """
     base = find(suite) if isinstance(suite, str) else suite
     flown = base.changed(**changes)
@@ -94,20 +94,24 @@ def evaluate(
     for name, value in (("episodes", count), ("workers", workers), ("block", block)):
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
             raise ParamsError(f"{name} must be a whole number >= 1, got {value!r}")
-    entries = _entries(policy, flown)
+    given = _given(policy)
+    entries = _entries(given, flown)
     reference = reference or entries[1 if len(entries) > 1 else 0].name
     if reference not in [item.name for item in entries]:
         raise ParamsError(f"reference {reference!r} is not among the policies flown")
-    blocks = [
-        Block(flown.split, first_seed, first, min(block, count - first)) for first in range(0, count, block)
-    ]
+    starts = range(0, count, block)
+    blocks = [Block(flown.split, first_seed, range(first, min(first + block, count))) for first in starts]
+    tables = [np.zeros(count, TABLE) for _ in entries]
+    named = [isinstance(item, str) for _, item in given]
     show = sys.stderr.isatty() if progress is None else progress
-    with tqdm(total=count * len(entries), unit="flight", disable=not show, leave=False) as bar:
-        parts = []
-        for part in _flown(entries, blocks, workers):
-            parts.append(part)
-            bar.update(len(part[0]) * len(entries))
-    tables = [np.concatenate([part[i] for part in parts]) for i in range(len(entries))]
+    with (
+        closing(fly_blocks(entries, named, flown.params, blocks, workers)) as flying,
+        tqdm(total=count * len(entries), unit="flight", disable=not show, leave=False) as bar,
+    ):
+        for first, parts in zip(starts, flying, strict=True):
+            for table, part in zip(tables, parts, strict=True):
+                table[first : first + len(part)] = part
+            bar.update(len(parts[0]) * len(entries))
     return score(flown, first_seed, entries, tables, reference, official=_official(base, flown, first_seed, count))
 
 
@@ -128,50 +132,46 @@ def score(
             trials=zone.trials,
             range_error_probability=zone.range_error_probability,
         )
-        scored.append(Scored(item, table, {name: metric(flights) for name, metric in METRICS.items()}))
-    return Result(suite, seed, len(none), official, tuple(scored))
+        scored.append(Scored(item, table, measure(flights)))
+    return Result(suite, seed, len(none), official, tuple(scored), reference)
 
 
 def _official(base: Suite, flown: Suite, seed: int, count: int) -> bool:
     return flown.hash == base.hash and (seed, count) == (base.seed, base.episodes)
 
 
-def _entries(policy: Any, suite: Suite) -> list[Entry]:
-    given: Iterable[tuple[str | None, Any]]
+def is_name(value: Any) -> bool:
+    """Whether this may name a policy: short, and nothing in it that a terminal or a file could stumble over."""
+    return isinstance(value, str) and bool(value.strip()) and len(value) <= NAME_MAX and value.isprintable()
+
+
+def _given(policy: Any) -> list[tuple[str | None, Any]]:
+    """Names, if any, and policies in the order given, with `none` first if it is not among them."""
+    given: list[tuple[str | None, Any]]
     if isinstance(policy, dict):
-        given = policy.items()
+        given = list(policy.items())
     else:
         given = [(None, item) for item in (policy if isinstance(policy, (list, tuple)) else [policy])]
-    entries = [entry(item, suite.params, name) for name, item in given]
-    if NOMINAL not in [item.name for item in entries]:
-        entries.insert(0, entry(NOMINAL, suite.params))
+    if NOMINAL not in [name or item for name, item in given if isinstance(item, str)]:
+        given.insert(0, (None, NOMINAL))
+    return given
+
+
+def _entries(given: list[tuple[str | None, Any]], suite: Suite) -> list[Entry]:
+    entries = []
+    for name, item in given:
+        try:
+            entries.append(entry(item, suite.params, name))
+        except ParamsError:
+            raise
+        except (Exception, SystemExit) as error:  # from the module or the function that makes the policy
+            raise ParamsError(f"policy {name or item!r} cannot be made: {described(error)}") from error
     names = [item.name for item in entries]
-    for name in names:
-        if names.count(name) > 1:
-            raise ParamsError(f"policy {name!r} is given twice; give a dict to name them")
+    for item in entries:
+        if not is_name(item.name):
+            raise ParamsError(f"policy name {item.name!r:.220} must be 1 to {NAME_MAX} printable characters")
+        if item.name == NOMINAL and item.spec != NOMINAL:
+            raise ParamsError(f"the name {NOMINAL!r} belongs to doing nothing; give policy {item.spec!r} another")
+        if names.count(item.name) > 1:
+            raise ParamsError(f"policy {item.name!r} is given twice; give a dict to name them")
     return entries
-
-
-def _flown(entries: list[Entry], blocks: list[Block], workers: int) -> Iterator[list[np.ndarray]]:
-    """The tables of each block, in order."""
-    if workers == 1:
-        for block in blocks:
-            yield fly_block(entries, block)
-        return
-    # Spawned, not forked: the same on every system, and no thread is copied in the middle of its work.
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
-    try:
-        yield from pool.map(fly_block, [entries] * len(blocks), blocks)
-    except BrokenProcessPool as error:
-        raise PolicyError("a worker process died; nothing was written") from error
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def fly_block(entries: list[Entry], block: Block) -> list[np.ndarray]:
-    """Fly all policies over one block, `none` first, whose positions the manoeuvres of the others are measured from."""
-    nominal = next(item for item in entries if item.name == NOMINAL)
-    table, positions = fly(nominal.policy, nominal.name, nominal.world, block)
-    return [
-        table if item is nominal else fly(item.policy, item.name, item.world, block, positions)[0] for item in entries
-    ]

@@ -70,4 +70,7 @@ def _imported(spec: str, world: Params) -> Any:
         raise ParamsError(f"policy {spec!r} is neither a known name nor module:attribute ({error})") from error
     if hasattr(found, "predict") and not isinstance(found, type):
         return found
-    return found(world)
+    try:
+        return found(world)
+    except Exception as error:
+        raise ParamsError(f"policy {spec!r} failed to be made from the parameters: {error}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import hashlib
 import json
 import os
@@ -112,7 +113,7 @@ def _policy(scored: Scored, written: dict[str, str]) -> dict[str, Any]:
         "spec": scored.entry.spec,
         "hash": scored.entry.hash,
         "track": scored.entry.world.interface.track,
-        "metrics": {name: estimate.to_dict() for name, estimate in scored.metrics.items()},
+        "metrics": {name: dataclasses.asdict(estimate) for name, estimate in scored.metrics.items()},
         **written,
     }
 
@@ -120,7 +121,8 @@ def _policy(scored: Scored, written: dict[str, str]) -> dict[str, Any]:
 def write_table(folder: Path, stem: str, table: np.ndarray, with_csv: bool) -> dict[str, str]:
     """Write one table, a column an array; returns its file name and the digest of its bytes."""
     assert table.dtype.names is not None
-    np.savez_compressed(folder / f"{stem}.npz", **{name: table[name] for name in table.dtype.names})
+    columns: dict[str, Any] = {name: table[name] for name in table.dtype.names}
+    np.savez_compressed(folder / f"{stem}.npz", **columns)
     if with_csv:
         with open(folder / f"{stem}.csv", "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

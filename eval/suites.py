@@ -66,12 +66,20 @@ class Suite:
         return dataclasses.replace(self, params=Params.of(self.params, **keywords)) if keywords else self
 
 
+DEGENERATE = [name for name, family in encounters.FAMILIES.items() if family.script is not None]
+
 SUITES: dict[str, Suite] = {
     suite.name: suite
     for suite in (
         Suite("encounter-v0", "the default world, planar"),
         Suite("encounter3d-v0", "the default world in space", Params.of(planar=False)),
         Suite("range-only-v0", "ranges and velocities, no positions", Params.of(track="range")),
+        Suite(
+            "gps-denied-v0", "agent and intruder both localised by radio", Params.of(agent="rss", intruder="rss")
+        ),
+        Suite("quadcopter-v0", "the channel of a real telemetry link", Params.of(channel="quadcopter")),
+        Suite("turning-v0", "both aircraft turn before the closest approach", Params.of(families="turning")),
+        Suite("degenerate-v0", "hand-written corners of the geometry", Params.of(families=DEGENERATE), episodes=1000),
         Suite("smoke-v0", "100 encounters, for continuous integration", episodes=100),
     )
 }

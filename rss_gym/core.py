@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 
 from rss_gym import encounters, observation, records, world
-from rss_gym.jit import kernel
+from rss_gym.jit import announce, kernel
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.sensed import OTHER, OWN
 from rss_gym.sensing import sense_row
@@ -85,6 +86,7 @@ class Batch:
     """
 
     def __init__(self, params: Params, n: int) -> None:
+        announce(Path(__file__).resolve().parent)
         self.params, self.n = params, n
         self.world = records.allocate(params, encounters.records(params.encounter), n)
         self.own = np.zeros(n, OWN)

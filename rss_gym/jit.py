@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numba
 
-__all__ = ["cache_dir", "kernel"]
+__all__ = ["announce", "cache_dir", "kernel"]
 
 _OPTIONS = {"cache": True, "fastmath": False, "error_model": "numpy"}
 
@@ -86,6 +86,13 @@ def _root_of(function):
     for folder in getattr(top, "__path__", ()):
         return Path(folder).resolve()
     return Path(function.__code__.co_filename).resolve()
+
+
+@functools.cache
+def announce(root):
+    """Say once per process, on standard error, why the first call takes long, if nothing is compiled yet."""
+    if not any(Path(cache_dir(root)).rglob("*.nbi")):
+        print("rss_gym: compiling its kernels for this machine, once per version (about 20 s)", file=sys.stderr)
 
 
 def kernel(function=None, **options):

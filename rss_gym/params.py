@@ -82,12 +82,12 @@ class Group:
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as plain JSON types."""
-        return _plain(dataclasses.asdict(self))  # type: ignore[call-overload, no-any-return]
+        return _plain(dataclasses.asdict(self))  # type: ignore[call-overload]
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown names raise `ParamsError`."""
         _refuse_unknown(type(self).__name__, changes, (f.name for f in dataclasses.fields(self)))  # type: ignore[arg-type]
-        return dataclasses.replace(self, **changes)  # type: ignore[type-var, no-any-return]
+        return dataclasses.replace(self, **changes)  # type: ignore[type-var]
 
 
 def _plain(value: Any) -> Any:

@@ -148,6 +148,12 @@ FAMILY = np.dtype(
         ("turns", b1),
         ("turn_min_rad", f8),
         ("turn_max_rad", f8),
+        # A hand-written encounter
+        ("scripted", b1),
+        ("own_mps", f8),
+        ("start_m", f8, 3),
+        ("velocity_mps", f8, 2),
+        ("end_s", f8),
     ]
 )
 

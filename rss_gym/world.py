@@ -89,6 +89,7 @@ def start_aircraft(config, craft, mode, key, a):
     """Put an aircraft on the start of its path, with stationary errors of its navigation."""
     stream = STREAM_START_AIRCRAFT + a
     craft.leg, craft.held_s, craft.hover_until_s = 0, 0.0, 0.0
+    craft.along[0], craft.along[1], craft.along[2] = 1.0, 0.0, 0.0
     plan(craft, 0.0)
     up = 0.0 if config.planar else 1.0
     for axis in range(3):
@@ -227,7 +228,8 @@ def plan(craft, time_s):
     p[0], p[1], p[2] = x, y, z
     v[0], v[1], v[2] = vx, vy, vz
     speed = sqrt(vx * vx + vy * vy)
-    along[0], along[1], along[2] = vx / speed, vy / speed, 0.0
+    if speed > 0.0:  # a hovering aircraft keeps its axes
+        along[0], along[1], along[2] = vx / speed, vy / speed, 0.0
 
 
 @kernel(forceinline=True)

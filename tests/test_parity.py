@@ -23,7 +23,7 @@ RESET, STEP = 0, 1
 VARIANTS = {
     "velocity": {"action": "velocity", "track": "range"},
     "discrete": {"action": "discrete", "planar": False},
-    "intruders": {"intruders": 2, "intruders_min": 1},
+    "intruders": {"intruders": 4, "intruders_min": 1, "planar": False},
     "radio": {"channel": ["quadcopter", {"packet_loss": 0.2}], "estimator": "ls", "agent": "rss", "zone": "adaptive"},
 }
 WORLDS = {

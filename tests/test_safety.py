@@ -31,7 +31,7 @@ def test_example_of_twice_the_radius():
 
 
 def test_example_under_37():
-    """P(4 m) = 80 %, collision probability 1e-5: n_d = 8, of which 0.2^8 = 2.56e-6 satisfies (36) and 0.2^7 does not."""
+    """P(4 m) = 80 %, collision probability 1e-5: n_d = 8; 0.2^8 = 2.56e-6 meets (36), 0.2^7 does not."""
     zone = Zone()
     assert zone.trials == 8
     assert 0.2**8 < zone.collision_probability < 0.2**7

@@ -1,11 +1,12 @@
 """Families of encounters, one file each. A new family is one file and one line in `FAMILIES`.
 
-`mixed` draws from all of them with the weights they carry.
+`mixed` draws from all that carry a weight; the degenerate ones do not.
 """
 
 import numpy as np
 
 from rss_gym.encounters.crossing import CROSSING
+from rss_gym.encounters.degenerate import EQUAL_VELOCITIES, EXACT_HEAD_ON, HOVERING, START_NEAR_ZONE, TAIL_CHASE
 from rss_gym.encounters.family import Family
 from rss_gym.encounters.head_on import HEAD_ON
 from rss_gym.encounters.no_conflict import NO_CONFLICT
@@ -23,6 +24,11 @@ FAMILIES: dict[str, Family] = {
     "turning": TURNING,
     "parallel-pass": PARALLEL_PASS,
     "no-conflict": NO_CONFLICT,
+    "exact-head-on": EXACT_HEAD_ON,
+    "tail-chase": TAIL_CHASE,
+    "equal-velocities": EQUAL_VELOCITIES,
+    "hovering": HOVERING,
+    "start-near-zone": START_NEAR_ZONE,
 }
 
 
@@ -38,12 +44,15 @@ def chosen(encounter: Encounter) -> list[str]:
     for name in names:
         if name != MIXED and name not in FAMILIES:
             raise ParamsError(f"family {name!r} is unknown{suggestion(name, [*FAMILIES, MIXED])}")
-    return [name for name in FAMILIES if name in names or MIXED in names]
+    return [name for name, family in FAMILIES.items() if name in names or (MIXED in names and family.weight > 0.0)]
 
 
 def records(encounter: Encounter) -> np.ndarray:
     """The chosen families for the sampler, with cumulative weights that end at 1. Shape (f,)."""
     names = chosen(encounter)
+    for name in names:
+        if FAMILIES[name].script is not None and encounter.intruders > 1:
+            raise ParamsError(f"family {name!r} is written for one intruder, got intruders = {encounter.intruders}")
     out = np.zeros(len(names), FAMILY)
     for index, name in enumerate(names):
         out[index] = FAMILIES[name].record(encounter.horizontal_offset_m)

@@ -55,6 +55,30 @@ def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, turn_s, turn_rad):
 
 
 @kernel
+def lay_script(law, agent, intruder, altitude_m, heading_rad):
+    """Predefined trajectories of a hand-written encounter, turned to `heading_rad`."""
+    c, s = cos(heading_rad), sin(heading_rad)
+    end_s = law.end_s
+    lay_path(agent, 0.0, 0.0, altitude_m, law.own_mps * c, law.own_mps * s, 0.0, end_s, 0.0, 0.0)
+    # Axes along and to the right of the heading.
+    x, y = law.start_m[0] * c + law.start_m[1] * s, law.start_m[0] * s - law.start_m[1] * c
+    v, w = law.velocity_mps[0], law.velocity_mps[1]
+    lay_path(intruder, x, y, altitude_m + law.start_m[2], v * c + w * s, v * s - w * c, 0.0, end_s, 0.0, 0.0)
+
+
+@kernel
+def approach_of(one, two, end_s):
+    """Time of the closest approach of two straight predefined trajectories, within [0, end_s]."""
+    ax, ay, az, avx, avy, avz = planned(one, 0, 0.0)
+    bx, by, bz, bvx, bvy, bvz = planned(two, 0, 0.0)
+    vx, vy, vz = bvx - avx, bvy - avy, bvz - avz
+    square = vx * vx + vy * vy + vz * vz
+    if square == 0.0:
+        return 0.0
+    return min(max(-((bx - ax) * vx + (by - ay) * vy + (bz - az) * vz) / square, 0.0), end_s)
+
+
+@kernel
 def planned(aircraft, leg, time_s):
     """u^d and its velocity at `time_s`, on leg number `leg`; beyond the last way point the last leg goes on."""
     p, t = aircraft.path_m, aircraft.path_s
@@ -133,6 +157,10 @@ def draw(key, config, families, aircraft, intruders):
                     law_index += 1
                 law = families[law_index]
                 conflict = uniform(key, STREAM_SAMPLER, at + 1) < law.conflict_share
+            if law.scripted:
+                heading = 2.0 * pi * uniform(key, STREAM_SAMPLER, at + 2)
+                lay_script(law, agent, intruder, config.altitude_m, heading)
+                return law_index, approach_of(agent, intruder, law.end_s), law.end_s
             speed_span = config.cruise_max_mps - config.cruise_min_mps
             speed = config.cruise_min_mps + speed_span * uniform(key, STREAM_SAMPLER, at + 2)
             crossing = signed(uniform(key, STREAM_SAMPLER, at + 3), law.crossing_min_rad, law.crossing_max_rad)

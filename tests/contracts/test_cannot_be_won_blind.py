@@ -50,7 +50,7 @@ def sweep(batch, table):
         assert max(np.hypot(metres[0], metres[1]), abs(metres[2])) <= REACH_M + 1e-9
         ratios[label] = fly(batch, metres).sum() / none
         print(f"{label:>30}  {ratios[label]:.4f}")
-    best = min(ratios, key=ratios.get)
+    best = min(ratios, key=lambda label: ratios[label])
     print(f"best: {best} at {ratios[best]:.4f}")
     return ratios[best], best
 

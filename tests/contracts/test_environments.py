@@ -116,7 +116,7 @@ def test_vector_pickle_goes_on_alike(env_id):
     "keywords",
     [
         {},
-        {"reach_m": 12.5, "intruders": 2},
+        {"reach_m": 12.5, "intruders": 2, "agent": "gnss", "intruder": "gnss"},
         {"channel": CHANNELS, "families": ["crossing", "head-on"]},
         {"params": Params.of(channel=CHANNELS, reach_m=17.0, collision=50.0, estimator="ls").to_dict()},
     ],

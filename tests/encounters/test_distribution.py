@@ -28,71 +28,75 @@ def fresh(n=N, **keywords):
     return batch
 
 
-def way_points(craft):
-    """Times and positions of one polyline, its last leg prolonged by an hour; shapes (p + 1,) and (p + 1, 3)."""
-    points = craft["path_points"]
-    times, path = craft["path_s"][:points], craft["path_m"][:points]
-    velocity = (path[-1] - path[-2]) / (times[-1] - times[-2])
-    return np.append(times, times[-1] + 3600.0), np.vstack([path, path[-1] + 3600.0 * velocity])
+def path_at(craft, times_s):
+    """Position and velocity on the predefined trajectories of n aircraft at times (n, m); two (n, m, 3) arrays.
+
+    Beyond its last way point a path goes straight on.
+    """
+    path, due, points = craft["path_m"], craft["path_s"], craft["path_points"]
+    position = velocity = np.zeros((*times_s.shape, 3))
+    for leg in range(points.max() - 1):
+        flown = (leg < points - 1)[:, None] & ((times_s >= due[:, leg, None]) | (leg == 0))
+        span_s = np.where(leg < points - 1, due[:, leg + 1] - due[:, leg], 1.0)
+        v = ((path[:, leg + 1] - path[:, leg]) / span_s[:, None])[:, None]
+        here = path[:, leg, None] + v * (times_s - due[:, leg, None])[..., None]
+        position, velocity = np.where(flown[..., None], here, position), np.where(flown[..., None], v, velocity)
+    return position, velocity
 
 
-def fly_plan(craft, times_s):
-    """Positions on the predefined trajectory; shape (len(times_s), 3)."""
-    times, path = way_points(craft)
-    return np.stack([np.interp(times_s, times, path[:, axis]) for axis in range(3)], axis=-1)
+def relative(agent, intruder, times_s):
+    """Position and velocity of the intruders as seen from the agents, on predefined trajectories."""
+    own, own_v = path_at(agent, times_s)
+    position, velocity = path_at(intruder, times_s)
+    return position - own, velocity - own_v
 
 
-def velocity_at(craft, time_s):
-    times, path = way_points(craft)
-    leg = min(np.searchsorted(times, time_s, side="right") - 1, len(times) - 2)
-    return (path[leg + 1] - path[leg]) / (times[leg + 1] - times[leg])
+def least_separation(agent, intruder, approach_s, end_s):
+    """By brute force: steps of 0.1 s over the flight, through the planned closest approach exactly."""
+    least = np.full(len(agent), np.inf)
+    for part in np.array_split(np.arange(len(agent)), max(1, len(agent) // 250)):
+        ticks = 0.1 * np.arange(-750, int(10.0 * np.max(end_s - approach_s)) + 1)
+        times = np.clip(approach_s[part, None] + ticks, 0.0, end_s[part, None])
+        r, _ = relative(agent[part], intruder[part], times)
+        least[part] = np.sqrt(np.sum(r * r, axis=2).min(axis=1))
+    return least
 
 
 @functools.cache
 def drawn(name, planar=True, intruders=1):
     """Encounters of a family, and what NumPy reads from the last intruder's path: one array per quantity."""
-    batch = fresh(families=name, planar=planar, intruders=intruders, n=N if intruders == 1 else 600)
-    rows = []
-    for episode, (agent, *others) in zip(batch.episode, batch.world.aircraft, strict=True):
-        intruder = others[-1]
-        # Each intruder's path is laid until its closest approach + tail_s.
-        approach_s = intruder["path_s"][intruder["path_points"] - 1] - TAIL_S
-        end_s = episode["ticks"] * batch.params.clock.tick_s
-        # Steps of 0.1 s over the flight, through the closest approach exactly.
-        times = approach_s + 0.1 * np.arange(np.ceil(-10.0 * approach_s), np.floor(10.0 * (end_s - approach_s)) + 1)
-        relative = fly_plan(intruder, times) - fly_plan(agent, times)
-        r = (fly_plan(intruder, [approach_s]) - fly_plan(agent, [approach_s]))[0]
-        own_v, v = velocity_at(agent, approach_s), velocity_at(intruder, approach_s)
-        closing = v - own_v
-        cosine, sine = own_v[:2] @ v[:2], own_v[0] * v[1] - own_v[1] * v[0]
-        ahead = approach_s - 20.0
-        if intruders == 1 and ahead > 0.0:
-            start = (fly_plan(intruder, [ahead]) - fly_plan(agent, [ahead]))[0]
-            guess = velocity_at(intruder, ahead) - velocity_at(agent, ahead)
-            extrapolated = np.linalg.norm(start - guess * (start @ guess) / (guess @ guess))
-        else:
-            extrapolated = np.nan
-        rows.append(
-            SimpleNamespace(
-                approach_s=approach_s,
-                first_approach_s=episode["approach_s"],
-                end_s=end_s,
-                speeds=np.linalg.norm([own_v, v], axis=1),
-                closing=np.linalg.norm(closing),
-                crossing=np.arctan2(sine, cosine),
-                miss=np.linalg.norm(r),
-                along=r @ closing / np.linalg.norm(closing),
-                horizontal=(r[1] * closing[0] - r[0] * closing[1]) / np.linalg.norm(closing),
-                vertical=r[2],
-                least=np.min(np.linalg.norm(relative, axis=1)),
-                start=np.linalg.norm(fly_plan(intruder, [0.0]) - fly_plan(agent, [0.0])),
-                own=fly_plan(agent, [approach_s])[0],
-                heading=np.arctan2(own_v[1], own_v[0]),
-                extrapolated=extrapolated,
-                family=episode["family"],
-            )
-        )
-    return SimpleNamespace(**{key: np.array([getattr(row, key) for row in rows]) for key in vars(rows[0])})
+    batch = fresh(families=name, planar=planar, intruders=intruders, n=N if intruders == 1 else 800)
+    agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, -1]
+    # Each intruder's path is laid until its closest approach + tail_s.
+    rows = np.arange(batch.n)
+    approach_s = intruder["path_s"][rows, intruder["path_points"] - 1] - TAIL_S
+    end_s = batch.episode["ticks"] * batch.params.clock.tick_s
+    now = approach_s[:, None]
+    (own, own_v), (_, v) = path_at(agent, now), path_at(intruder, now)
+    own_v, v = own_v[:, 0], v[:, 0]
+    r, closing = (x[:, 0] for x in relative(agent, intruder, now))
+    speed = np.linalg.norm(closing, axis=1)
+    # What a straight extrapolation of the states 20 s earlier makes of the closest approach.
+    before, guess = (x[:, 0] for x in relative(agent, intruder, now - 20.0))
+    share = np.sum(before * guess, axis=1) / np.sum(guess * guess, axis=1)
+    return SimpleNamespace(
+        approach_s=approach_s,
+        first_approach_s=batch.episode["approach_s"],
+        end_s=end_s,
+        family=batch.episode["family"],
+        own=own[:, 0],
+        speeds=np.linalg.norm([own_v, v], axis=2),
+        heading=np.arctan2(own_v[:, 1], own_v[:, 0]),
+        crossing=np.arctan2(own_v[:, 0] * v[:, 1] - own_v[:, 1] * v[:, 0], np.sum(own_v * v, axis=1)),
+        closing=speed,
+        miss=np.linalg.norm(r, axis=1),
+        along=np.sum(r * closing, axis=1) / speed,
+        horizontal=(r[:, 1] * closing[:, 0] - r[:, 0] * closing[:, 1]) / speed,
+        vertical=r[:, 2],
+        start=np.linalg.norm(relative(agent, intruder, 0.0 * now)[0][:, 0], axis=1),
+        least=least_separation(agent, intruder, approach_s, end_s),
+        extrapolated=np.where(approach_s > 20.0, np.linalg.norm(before - guess * share[:, None], axis=1), np.nan),
+    )
 
 
 def assert_limits(d):
@@ -200,16 +204,17 @@ def test_turns_defeat_straight_extrapolation():
 def test_paths_are_polylines_at_constant_speed(name):
     for row in fresh(200, families=name, intruders=2).world.aircraft:
         for craft in row:
-            assert 2 <= craft["path_points"] <= MAX_WAY_POINTS
-            times, path = way_points(craft)
+            points = craft["path_points"]
+            assert 2 <= points <= MAX_WAY_POINTS
+            times, path = craft["path_s"][:points], craft["path_m"][:points]
             assert times[0] == 0.0
             assert np.all(np.diff(times) > 0.0)
             speeds = np.linalg.norm(np.diff(path, axis=0), axis=1) / np.diff(times)
             np.testing.assert_allclose(speeds, speeds[0], rtol=1e-9)
             assert np.ptp(path[:, 2]) == 0.0
             np.testing.assert_array_equal(craft["position_m"], path[0])
-            turning = name == "turning" or (name == "mixed" and craft["path_points"] > 2)
-            assert craft["path_points"] == (3 if turning else 2)
+            if name != "mixed":
+                assert points == (3 if name == "turning" else 2)
 
 
 @pytest.mark.parametrize("intruders", range(2, 9))
@@ -241,7 +246,9 @@ def test_about_two_fifths_collide_if_nobody_acts():
             batch.step(actions, done)
             done |= batch.episode["terminated"] | batch.episode["truncated"]
         shares[planar] = float(np.mean(batch.episode["collision"]))
-    print(f"\nshare of {N} mixed encounters that collide under zero action: plane {shares[True]}, space {shares[False]}")
+    print(
+        f"\nshare of {N} mixed encounters that collide under zero action: plane {shares[True]}, space {shares[False]}"
+    )
     assert 0.35 < shares[True] < 0.45
     assert 0.30 < shares[False] < 0.45
 

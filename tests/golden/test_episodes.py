@@ -39,6 +39,11 @@ def in_a_new_process(**variables):
     return json.loads(result.stdout)
 
 
+def changed(digests):
+    """Names of the cases that are not as frozen."""
+    return [case for case in FROZEN if digests.get(case) != FROZEN[case]]
+
+
 def test_every_case_is_frozen():
     assert list(FROZEN) == list(make.CASES), CHANGED
 
@@ -65,7 +70,7 @@ def test_without_vector_units():
         [sys.executable, "-c", code], env={**os.environ, **off}, capture_output=True, text=True, check=True
     )
     assert not set(features) & set(left.stdout.split())
-    assert in_a_new_process(**off) == FROZEN
+    assert changed(in_a_new_process(**off)) == []
 
 
 @pytest.mark.slow
@@ -78,4 +83,4 @@ def test_compiled_for_another_cpu(cpu):
     """
     if cpu == "haswell" and not core.__cpu_features__.get("FMA3", core.__cpu_features__.get("X86_V3")):
         pytest.skip("this host cannot run code for haswell")
-    assert in_a_new_process(NUMBA_CPU_NAME=cpu, NUMBA_CPU_FEATURES="") == FROZEN
+    assert changed(in_a_new_process(NUMBA_CPU_NAME=cpu, NUMBA_CPU_FEATURES="")) == []

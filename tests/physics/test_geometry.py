@@ -123,9 +123,7 @@ def test_cylinder_edges(r, v, period_s, inside):
     assert enters_cylinder(*r, *v, period_s, RADIUS, HALF_HEIGHT) is inside
 
 
-@given(
-    st.tuples(st.floats(-6.0, 6.0), st.floats(-6.0, 6.0), st.floats(-6.0, 6.0)), st.tuples(SPEEDS, SPEEDS, SPEEDS)
-)
+@given(st.tuples(st.floats(-6.0, 6.0), st.floats(-6.0, 6.0), st.floats(-6.0, 6.0)), st.tuples(SPEEDS, SPEEDS, SPEEDS))
 def test_a_collision_is_an_snmac(r, v):
     """The sphere of `collision_m` lies inside the cylinder, so the events are nested."""
     assert RADIUS >= ZONE.collision_m

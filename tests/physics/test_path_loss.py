@@ -47,7 +47,9 @@ def test_received_power_inverts_distance(offset, gamma, loss_db):
 @given(GAMMAS, DISTANCES_M)
 def test_slope_is_the_derivative(gamma, d):
     step = 1e-5 * d
-    difference = path_loss.received_dbm(0.0, gamma, (d + step) ** 2) - path_loss.received_dbm(0.0, gamma, (d - step) ** 2)
+    difference = path_loss.received_dbm(0.0, gamma, (d + step) ** 2) - path_loss.received_dbm(
+        0.0, gamma, (d - step) ** 2
+    )
     slope = path_loss.slope_db_pm(gamma, d)
     assert slope == pytest.approx(difference / (2.0 * step), rel=1e-6)
     assert slope == pytest.approx(-10.0 * gamma / (d * np.log(10.0)), rel=1e-14)

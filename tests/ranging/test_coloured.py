@@ -147,17 +147,14 @@ def test_covariance_stays_symmetric_and_positive(setting, ticks):
         _positive(*state[2:])
         if heard:
             before = state
-            state = coloured.update(
-                *state, h(state[0], state[1], gamma) + surprise, OFFSET_DBM, gamma, white, FLOOR_M
-            )
+            state = coloured.update(*state, h(state[0], state[1], gamma) + surprise, OFFSET_DBM, gamma, white, FLOOR_M)
             assert state[2] <= before[2] * (1.0 + 1e-9)
             assert state[4] <= before[4] * (1.0 + 1e-9)
         assert state[0] >= FLOOR_M
         assert np.isfinite(state).all()
-    # Unheard for an hour, the coloured state goes back to its stationary variance.
-    for _ in range(int(10 * time_s / tick_s) if time_s < 10 else 0):
-        state = coloured.predict(*state, 0.0, 1.0, a, drive)
-    if time_s < 10:
+    if time_s < 50.0 * tick_s:  # unheard for long, the coloured state goes back to its stationary variance
+        for _ in range(10 + int(10.0 * time_s / tick_s)):
+            state = coloured.predict(*state, 0.0, 1.0, a, drive)
         assert state[4] == pytest.approx(variance, rel=1e-6)
 
 

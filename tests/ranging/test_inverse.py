@@ -41,4 +41,6 @@ def test_variance_is_the_scatter_for_small_noise():
     stated = math.sqrt(invert(-89.0, -35.0, 2.7, 0.01, FLOOR_M, CEILING_M)[1])
     assert ranges.std() == pytest.approx(stated, rel=0.02)
     # Independent of the error's size: 10 dB of path loss per factor 10^(1 / gamma).
-    assert invert(-99.0, -35.0, 2.7, 0.01, FLOOR_M, CEILING_M)[0] == pytest.approx(100.0 * 10.0 ** (1.0 / 2.7), rel=1e-12)
+    assert invert(-99.0, -35.0, 2.7, 0.01, FLOOR_M, CEILING_M)[0] == pytest.approx(
+        100.0 * 10.0 ** (1.0 / 2.7), rel=1e-12
+    )

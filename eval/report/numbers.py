@@ -1,0 +1,43 @@
+"""Numbers as a reader sees them: three significant digits, powers of ten below a thousandth, intervals in brackets."""
+
+from __future__ import annotations
+
+import math
+
+from rss_gym.eval.metrics import Estimate
+
+MISSING = "–"
+MINUS = "−"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """A number to so many significant digits, such as `41.3`, `0.0052` or `3.1×10⁻⁴`."""
+    if value is None or math.isnan(value):
+        return MISSING
+    sign, size = (MINUS if value < 0 else ""), abs(value)
+    if size == 0.0 or math.isinf(size):
+        return "0" if size == 0.0 else f"{sign}∞"
+    mantissa, _, exponent = f"{size:.{digits - 1}e}".partition("e")
+    power = int(exponent)
+    if power < -3 or power > 6:
+        return f"{sign}{mantissa}×{power_of_ten(power)}"
+    return f"{sign}{size:,.{max(0, digits - 1 - power)}f}"
+
+
+def power_of_ten(power: int) -> str:
+    """`10⁻⁴`."""
+    return "10" + str(power).translate(_RAISED)
+
+
+def interval(estimate: Estimate, digits: int = 3) -> str:
+    """`[low, high]`, or nothing where the estimate has no interval."""
+    if estimate.low is None or estimate.high is None:
+        return ""
+    return f"[{number(estimate.low, digits)}, {number(estimate.high, digits)}]"
+
+
+def full(estimate: Estimate) -> str:
+    """Value, interval and unit in one line, for tool tips."""
+    unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
+    return " ".join(filter(None, (number(estimate.value) + unit, interval(estimate))))

@@ -1,0 +1,95 @@
+"""SVG elements as text, and the scales of an axis. Colours are classes of the page's style sheet."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from rss_gym.eval.report.numbers import power_of_ten
+from rss_gym.eval.report.page import text
+
+
+def coordinate(value: float) -> str:
+    """A pixel to a tenth."""
+    shown = f"{value:.1f}".removesuffix(".0")
+    return "0" if shown == "-0" else shown
+
+
+def element(name: str, content: str | None = None, /, **attributes: object) -> str:
+    """An element; `class_` is `class`, `_` in other names is `-`, and numbers are pixels."""
+    parts = [name]
+    for key, value in attributes.items():
+        shown = coordinate(value) if isinstance(value, float) else text(value)
+        parts.append(f'{key.rstrip("_").replace("_", "-")}="{shown}"')
+    return f"<{' '.join(parts)}/>" if content is None else f"<{' '.join(parts)}>{content}</{name}>"
+
+
+def words(content: str, x: float, y: float, class_: str = "", anchor: str = "start") -> str:
+    """A line of text with its base line at y."""
+    return element("text", text(content), x=x, y=y, class_=class_, text_anchor=anchor)
+
+
+def line(x0: float, y0: float, x1: float, y1: float, class_: str) -> str:
+    """A straight line."""
+    return element("line", x1=x0, y1=y0, x2=x1, y2=y1, class_=class_)
+
+
+def picture(content: str, width: int, height: int, class_: str, label: str) -> str:
+    """The svg element, as wide as its frame at most."""
+    return element(
+        "svg", content, class_=class_, viewBox=f"0 0 {width} {height}", width=width, height=height, role="img",
+        aria_label=label,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Values to pixels, evenly."""
+
+    low: float
+    high: float
+    start_px: float
+    end_px: float
+
+    def __call__(self, value: float) -> float:
+        """Pixel of a value, held inside the axis."""
+        share = (min(max(value, self.low), self.high) - self.low) / (self.high - self.low)
+        return self.start_px + share * (self.end_px - self.start_px)
+
+    def ticks(self, count: int) -> list[tuple[float, str]]:
+        """About so many round values, with their texts."""
+        step = nice_step((self.high - self.low) / count)
+        first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
+        return [(k * step, f"{k * step:g}") for k in range(first, last + 1)]
+
+
+@dataclass(frozen=True)
+class Decades:
+    """Values to pixels by their logarithm, over whole decades."""
+
+    low: int
+    high: int
+    start_px: float
+    end_px: float
+
+    def __call__(self, value: float) -> float:
+        """Pixel of a value, held inside the axis; zero lies at its low end."""
+        power = math.log10(value) if value > 0.0 else -math.inf
+        share = (min(max(power, self.low), self.high) - self.low) / (self.high - self.low)
+        return self.start_px + share * (self.end_px - self.start_px)
+
+    def ticks(self, count: int = 8) -> list[tuple[float, str]]:
+        """The decades, every second or third one where there are many."""
+        every = math.ceil((self.high - self.low) / count)
+        return [(10.0**power, decade(power)) for power in range(self.high, self.low - 1, -every)]
+
+
+def decade(power: int) -> str:
+    """`1`, `0.1`, `0.001`, `10⁻⁴`."""
+    return f"{10.0**power:g}" if -3 <= power <= 2 else power_of_ten(power)
+
+
+def nice_step(length: float) -> float:
+    """The smallest of 1, 2, 5, 10, 20, ... (and 0.5, 0.2, ...) that is not below `length`."""
+    power: float = 10.0 ** math.floor(math.log10(max(length, 1e-12)))
+    return next(step * power for step in (1, 2, 5, 10) if step * power >= length * (1 - 1e-9))

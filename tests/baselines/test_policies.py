@@ -1,0 +1,125 @@
+"""Contracts over the registry of policies."""
+
+import numpy as np
+import pytest
+
+from rss_gym import baselines
+from rss_gym.core import Batch, decode
+from rss_gym.params import Params, ParamsError
+
+NAMES = sorted(baselines.POLICIES)
+WORLDS = {
+    "plane": {},
+    "space": {"planar": False},
+    "several": {"intruders": 4, "intruders_min": 1},
+}
+
+
+def world_for(name, keywords):
+    """A world on a track that the policy can fly."""
+    return Params.of(track="range", **keywords) if name == "modified-orthogonal" else Params.of(**keywords)
+
+
+def flown(policy, count, steps=60):
+    """Observations, actions and states of a flight of `count` rows."""
+    batch = Batch(policy.world, count)
+    batch.seed(np.arange(count, dtype=np.uint64))
+    batch.reset(np.ones(count, bool))
+    state, trace = None, []
+    for step in range(steps):
+        actions, state = policy.predict(batch.observations, state, np.full(count, step == 0))
+        trace.append((batch.observations.copy(), actions.copy(), state.copy()))
+        ended = batch.episode["terminated"] | batch.episode["truncated"]
+        batch.step(decode(actions, policy.world, count), ended)
+    return trace
+
+
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("name", NAMES)
+def test_actions_are_finite_and_in_the_box(name, world):
+    policy = baselines.make(name, world_for(name, WORLDS[world]))
+    axes = 2 if policy.world.encounter.planar else 3
+    for _, actions, _ in flown(policy, 16):
+        assert actions.shape == (16, axes) and actions.dtype == np.float32
+        assert np.isfinite(actions).all() and (np.abs(actions) <= 1.0).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_row_of_a_batch_equals_the_row_alone(name):
+    policy = baselines.make(name, world_for(name, {}))
+    together = flown(policy, 5)
+    state = None
+    for step, (observations, actions, _) in enumerate(together):
+        alone, state = policy.predict(observations[3], state, np.array([step == 0]))
+        np.testing.assert_array_equal(alone, actions[3])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_memory_is_cleared_where_an_episode_starts(name):
+    policy = baselines.make(name, world_for(name, {}))
+    observations, _, state = flown(policy, 4)[-1]
+    fresh, _ = policy.predict(observations)
+    mixed, _ = policy.predict(observations, state, np.array([True, False, True, False]))
+    np.testing.assert_array_equal(mixed[[0, 2]], fresh[[0, 2]])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_arguments_are_left_alone(name):
+    policy = baselines.make(name, world_for(name, {}))
+    observations, _, state = flown(policy, 4)[-1]
+    before = observations.copy(), state.copy()
+    policy.predict(observations, state)
+    np.testing.assert_array_equal(observations, before[0])
+    np.testing.assert_array_equal(state, before[1])
+
+
+def test_every_policy_has_a_summary():
+    for item in baselines.describe().values():
+        assert item["summary"].endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("spec", "words"),
+    [
+        ("ortogonal", ["'ortogonal'", "did you mean 'orthogonal'"]),
+        ("orthogonal:radius=60", ["'radius'", "did you mean 'radius_m'"]),
+        ("orthogonal:radius_m=wide", ["radius_m", "'wide'", "number"]),
+        ("orthogonal:radius_m", ["radius_m", "number"]),
+        ("orthogonal:radius_m=nan", ["radius_m", "nan"]),
+        ("orthogonal:radius_m=-5", ["radius_m", "-5"]),
+        ("orthogonal:radius_m=121", ["121", "zone radius 120"]),
+        ("none:radius_m=1", ["radius_m", "it has none"]),
+    ],
+)
+def test_bad_specifications_are_refused_in_one_sentence(spec, words):
+    with pytest.raises(ParamsError) as caught:
+        baselines.make(spec)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_the_rule_listens_to_messages_only():
+    policy = baselines.make("orthogonal:radius_m=60")
+    for observations, actions, _ in flown(policy, 32, 120):
+        from rss_gym.observation import split
+
+        seen = split(observations, policy.world)
+        silent = (seen["warning"][:, 0] == 0.0) | (seen["message_valid"][:, 0] == 0.0)
+        assert not actions[silent].any()
+
+
+def test_constant_flies_the_displacement_it_names():
+    policy = baselines.make("constant:right_m=12,along_m=-5")
+    batch = Batch(policy.world, 8)
+    batch.seed(np.arange(8, dtype=np.uint64))
+    batch.reset(np.ones(8, bool))
+    for _ in range(40):
+        actions, _ = policy.predict(batch.observations)
+        batch.step(decode(actions, policy.world, 8), np.zeros(8, bool))
+    agent = batch.world.aircraft[:, 0]
+    offset = agent["position_m"] - agent["planned_m"]
+    along = (offset * agent["along"]).sum(axis=1)
+    right = offset[:, 0] * agent["along"][:, 1] - offset[:, 1] * agent["along"][:, 0]
+    straight = (agent["path_points"] == 2) & ~batch.episode["collision"]
+    np.testing.assert_allclose(along[straight], -5.0, atol=1.5)
+    np.testing.assert_allclose(right[straight], 12.0, atol=1.5)

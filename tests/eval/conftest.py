@@ -1,0 +1,101 @@
+"""Tables for the tests of the scores: one made by hand, and random ones."""
+
+import numpy as np
+import pytest
+
+from rss_gym.eval.metrics import Flights
+from rss_gym.eval.table import TABLE
+
+T, F = True, False
+
+# Six encounters of 100 s, S = 120 m. The values of every metric on them are worked out in test_metrics.py.
+COMMON = {"episode": range(6), "duration_s": 100.0, "planned_m": 300.0}
+NONE = {
+    "collision": [T, T, F, F, F, F],
+    "snmac": [T, T, T, F, F, F],
+    "zone": [T, T, T, T, T, F],
+    "flown_s": [50, 60, 100, 100, 100, 100],
+    "closest_s": [50, 60, 55, 40, 50, 45],
+    "false_alerts": [0, 1, 0, 0, 0, 2],
+    "missed_ticks": [0, 8, 3, 9, 0, 0],
+    "sample_separation_m": [100, 119, 121, 130, 60, 150],
+    "sample_range_m": [104, 125, 110, 131, 150, 140],
+}
+POLICY = {
+    "collision": [T, F, F, F, T, F],
+    "snmac": [T, F, T, F, T, F],
+    "zone": [T, T, T, T, T, F],
+    "min_separation_m": [3, 30, 12, 60, 2, 120],
+    "flown_s": [40, 100, 100, 100, 70, 100],
+    "closest_s": [40, 20, 21, 22, 70, 23],
+    "deviation_mean_m": [10, 5, 2, 1, 20, 0],
+    "deviation_max_m": [30, 12, 4, 2, 150, 1],
+    "manoeuvre_m": [9, 20, 2, 3, 3.5, 8],
+    "flown_m": [100, 330, 300, 303, 200, 300],
+    "cost": [10, 4, 3, 2, 8, 3],
+    "warned_s": [30, -1, 40, 20, 10, -1],
+    "fault": [F, F, F, T, F, F],
+}
+REFERENCE = {"collision": [F, F, T, F, F, F]}
+
+
+def table_of(columns):
+    """A TABLE with these columns, the others zero."""
+    out = np.zeros(len(columns["episode"]), TABLE)
+    for name, values in columns.items():
+        out[name] = values
+    return out
+
+
+def random_table(generator, n, risk=0.2):
+    """Flights that could be: events nested, ends after collisions."""
+    out = np.zeros(n, TABLE)
+    out["episode"] = np.arange(n)
+    out["duration_s"] = generator.uniform(60, 105, n)
+    out["min_separation_m"] = generator.exponential(4.5 / risk, n)
+    for event, limit_m in (("collision", 4.5), ("snmac", 15.0), ("zone", 120.0)):
+        out[event] = out["min_separation_m"] < limit_m
+    out["flown_s"] = np.where(out["collision"], generator.uniform(20, 60, n), out["duration_s"])
+    out["closest_s"] = generator.uniform(0, out["flown_s"])
+    for name in ("deviation_mean_m", "deviation_max_m", "manoeuvre_m", "cost"):
+        out[name] = generator.exponential(5.0, n)
+    out["flown_m"], out["planned_m"] = generator.uniform(200, 400, (2, n))
+    out["warned_s"] = np.where(generator.random(n) < 0.1, -1.0, generator.uniform(0, 40, n))
+    out["false_alerts"], out["missed_ticks"] = generator.poisson(0.3, n), generator.poisson(4.0, n)
+    out["sample_separation_m"] = generator.uniform(2, 190, n)
+    out["sample_range_m"] = out["sample_separation_m"] + generator.normal(0, 20, n)
+    return out
+
+
+def flights_of(table, none, reference=None):
+    """Flights in the zone of the paper."""
+    return Flights(table, none, reference, suite_radius_m=120.0, trials=8, range_error_probability=0.8)
+
+
+@pytest.fixture
+def by_hand():
+    """The six encounters above."""
+    return flights_of(*(table_of(COMMON | columns) for columns in (POLICY, NONE, REFERENCE)))
+
+
+@pytest.fixture
+def random_flights():
+    """Function (n, seed=0) -> n random encounters with a policy, `none` and a reference."""
+
+    def make(n, seed=0):
+        generator = np.random.default_rng([seed, n])
+        return flights_of(*(random_table(generator, n, risk) for risk in (0.02, 0.5, 0.05)))
+
+    return make
+
+
+@pytest.fixture
+def make_flights():
+    """Function (table, none, reference=None) -> Flights."""
+    return flights_of
+
+
+@pytest.fixture
+def make_table():
+    """Function (columns) -> TABLE, the columns not given zero."""
+    return table_of

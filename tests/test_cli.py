@@ -1,0 +1,105 @@
+"""The command line: listings, scores, bad input."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from rss_gym.cli import main
+
+
+def run(capsys, *arguments):
+    """Exit status, standard output and error."""
+    try:
+        status = main(list(arguments))
+    except SystemExit as stop:
+        status = stop.code
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_list_names_everything(capsys):
+    status, out, _ = run(capsys, "list")
+    assert status == 0
+    for name in ("rss_gym/Encounter-v0", "orthogonal", "quadcopter", "mixed", "encounter-v0"):
+        assert name in out
+
+
+def test_list_json(capsys):
+    status, out, _ = run(capsys, "list", "--json")
+    assert status == 0 and set(json.loads(out)) == {"ids", "policies", "channels", "families", "suites"}
+
+
+def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):
+    folder = tmp_path / "run"
+    status, out, _ = run(
+        capsys, "eval", "--policy", "orthogonal:radius_m=60", "--episodes", "50", "--seed", "3", "--out", str(folder)
+    )
+    assert status == 0 and "orthogonal:radius_m=60" in out and "none" in out
+    scores = json.loads((folder / "scores.json").read_text())
+    assert [policy["name"] for policy in scores["policies"]] == ["none", "orthogonal:radius_m=60"]
+    assert (scores["episodes"], scores["seed"], scores["official"]) == (50, 3, False)
+    rate = scores["policies"][0]["metrics"]["collision_rate"]
+    assert rate["n"] == 50 and 0.0 <= rate["low"] <= rate["value"] <= rate["high"] <= 1.0
+
+
+def test_the_demo_flies_the_rule_over_its_radius(capsys):
+    status, out, _ = run(capsys, "demo", "--episodes", "20", "--workers", "1")
+    assert status == 0
+    for name in ("none", "orthogonal:radius_m=15", "orthogonal:radius_m=120"):
+        assert name in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--policy", "nobody"], ["'nobody'", "known: "]),
+        (["--policy", "none", "--episodes", "0"], ["episodes", "0"]),
+        (["--policy", "none", "--episodes", "-5"], ["episodes", "-5"]),
+        (["--policy", "none", "--seed", "-1"], ["seed", "-1"]),
+        (["--policy", "none", "--workers", "0"], ["workers", "0"]),
+        (["--policy", "none", "--suite", "encounter-v1"], ["'encounter-v1'", "encounter-v0"]),
+        (["--policy", "none", "--channel", "quadcoptr"], ["'quadcoptr'", "did you mean 'quadcopter'"]),
+        (["--policy", "none", "--track", "blind"], ["track", "'blind'"]),
+        (["--policy", "none", "--families", "crosing"], ["'crosing'", "did you mean 'crossing'"]),
+        (["--policy", "modified-orthogonal"], ["modified-orthogonal", "track 'range'"]),
+        (["--policy", "json:loads"], ["json:loads"]),
+        (["--policy", "no_such_module:thing"], ["no_such_module:thing"]),
+        (["--policy", "none", "none"], ["'none'", "twice"]),
+    ],
+)
+def test_bad_input_is_one_sentence(capsys, tmp_path, arguments, words):
+    folder = tmp_path / "run"
+    status, out, err = run(capsys, "eval", *arguments, "--out", str(folder))
+    assert status == 2 and not out and len(err.strip().splitlines()) == 1
+    for word in words:
+        assert word in err
+    assert not folder.exists() and not list(tmp_path.iterdir())
+
+
+def test_an_existing_folder_is_not_overwritten(capsys, tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "mine.txt").write_text("precious")
+    status, _, err = run(capsys, "eval", "--policy", "none", "--episodes", "5", "--out", str(tmp_path / "run"))
+    assert status == 2 and "exists" in err
+    assert (tmp_path / "run" / "mine.txt").read_text() == "precious"
+
+
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may write everywhere")
+def test_an_unwritable_folder_is_refused(capsys, tmp_path):
+    tmp_path.chmod(0o500)
+    status, _, err = run(capsys, "eval", "--policy", "none", "--episodes", "5", "--out", str(tmp_path / "run"))
+    assert status == 2 and "cannot be written" in err
+
+
+def test_a_folder_below_a_file_is_refused(capsys, tmp_path):
+    (tmp_path / "file").write_text("")
+    status, _, err = run(capsys, "eval", "--policy", "none", "--episodes", "5", "--out", str(tmp_path / "file" / "run"))
+    assert status == 2 and "cannot be written" in err
+
+
+def test_help_needs_nothing_heavy():
+    code = "import sys; from rss_gym.cli import _parser; _parser(); assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
