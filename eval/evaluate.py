@@ -131,6 +131,7 @@ def score(
             suite_radius_m=zone.radius_m,
             trials=zone.trials,
             range_error_probability=zone.range_error_probability,
+            reaction_s=zone.reaction_s,
         )
         scored.append(Scored(item, table, measure(flights)))
     return Result(suite, seed, len(none), official, tuple(scored), reference)

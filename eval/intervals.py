@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
+from functools import lru_cache
 from math import fsum, sqrt
 from typing import Literal, NamedTuple
 
@@ -113,6 +114,7 @@ def mean_t(x: np.ndarray, confidence: float = CONFIDENCE, side: Side = "two") ->
     return Interval(mean, low, high, n)
 
 
+@lru_cache(maxsize=1024)
 def ranks(n: int, q: float, below: float, above: float) -> tuple[int, int]:
     """Ranks (1 .. n) of the order statistics that bound the q-quantile; 0 and n + 1 where none does.
 
@@ -135,7 +137,9 @@ def quantile_order_statistics(
     lowest: float | None = None,
     highest: float | None = None,
 ) -> Interval:
-    """Quantile (interpolated between order statistics) with the distribution-free interval of order statistics.
+    """Quantile with the distribution-free interval of order statistics.
+
+    The value is the median-unbiased interpolation of order statistics, which lies inside every such interval.
 
     Parameters
     ----------
@@ -148,7 +152,8 @@ def quantile_order_statistics(
 
     References
     ----------
-    David, Nagaraja, "Order Statistics", 3rd ed. (2003), sec. 7.1.
+    David, Nagaraja, "Order Statistics", 3rd ed. (2003), sec. 7.1. Hyndman, Fan, "Sample quantiles in statistical
+    packages", American Statistician 50 (1996) 361, definition 8.
     """
     if not 0.0 < q < 1.0:
         raise ValueError(f"q must lie between 0 and 1, got {q!r}")
@@ -158,7 +163,7 @@ def quantile_order_statistics(
         return Interval(None, None, None, 0)
     low, high = ranks(n, q, *tails(confidence, side))
     return Interval(
-        float(np.quantile(values, q)),
+        float(np.quantile(values, q, method="median_unbiased")),
         float(values[low - 1]) if low >= 1 else lowest,
         float(values[high - 1]) if high <= n else highest,
         n,
@@ -313,7 +318,7 @@ def correlation(both: int, only_a: int, only_b: int, n: int) -> float:
     spread = a * (n - a) * b * (n - b)
     covariance: float = both * (n - both - only_a - only_b) - only_a * only_b
     if covariance > 0:
-        covariance = max(covariance - n / 2, 0)
+        covariance = max(covariance - n / 2, 0.0)
     return covariance / sqrt(spread) if spread > 0 else 0.0
 
 

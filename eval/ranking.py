@@ -31,7 +31,7 @@ ALPHA = 0.05  # family-wise error of the comparisons with one leader
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
+class Candidate:
     """What the ranking needs of one policy.
 
     Attributes
@@ -55,7 +55,7 @@ class Entry:
     collision: np.ndarray
 
     @classmethod
-    def of(cls, name: str, flights: Flights) -> Entry:
+    def of(cls, name: str, flights: Flights) -> Candidate:
         """The entry of a policy with these flights, of which there is at least one."""
         wanted = ("faults", "risk_ratio_upper", "path_deviation_mean_m")
         faults, upper, deviation = (measure(flights, [metric])[metric].value for metric in wanted)
@@ -94,7 +94,7 @@ class Place:
     p_adjusted: float | None
 
 
-def rank(entries: Iterable[Entry], alpha: float = ALPHA) -> list[Place]:
+def rank(entries: Iterable[Candidate], alpha: float = ALPHA) -> list[Place]:
     """The entries in order, best first; the module's docstring has the algorithm.
 
     Raises
@@ -119,7 +119,7 @@ def rank(entries: Iterable[Entry], alpha: float = ALPHA) -> list[Place]:
     return places
 
 
-def compare(leader: Entry, others: list[Entry]) -> dict[str, float]:
+def compare(leader: Candidate, others: list[Candidate]) -> dict[str, float]:
     """Holm-adjusted p-values of exact McNemar tests of the leader's collisions against each other one's, by name."""
     p_values = [
         mcnemar_exact(
@@ -131,7 +131,7 @@ def compare(leader: Entry, others: list[Entry]) -> dict[str, float]:
     return dict(zip((other.name for other in others), holm(p_values), strict=True))
 
 
-def check(entries: list[Entry]) -> None:
+def check(entries: list[Candidate]) -> None:
     """Refuse names given twice, numbers that do not sort, and different encounters; `entries` are sorted by name."""
     for entry in entries:
         if not all(isfinite(x) for x in (entry.risk_ratio_upper or 0.0, entry.path_deviation_mean_m)):

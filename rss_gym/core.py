@@ -236,5 +236,5 @@ def checked_seed(seed: Any) -> int:
         For any other value.
     """
     if not _counts(seed):
-        raise ValueError(f"seed must be a whole number in [0, 2**63), got {seed!r}")
+        raise ParamsError(f"seed must be a whole number in [0, 2**63), got {seed!r}")
     return int(seed)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rss_gym
@@ -97,6 +97,7 @@ def sensed(generator, k, wild):
 @pytest.mark.parametrize("planar", [True, False])
 @pytest.mark.parametrize("track", ["oracle", "paper", "range"])
 @pytest.mark.parametrize("k", [1, 3, 8])
+@settings(max_examples=30)
 @given(seed=st.integers(0, 2**32 - 1), wild=st.booleans())
 def test_every_column_is_its_field(planar, track, k, seed, wild):
     own, others = sensed(np.random.default_rng(seed), k, wild)

@@ -21,6 +21,7 @@ from rss_gym.eval.metrics.min_separation import (
     MIN_SEPARATION_P50_M,
 )
 from rss_gym.eval.metrics.missed_detection import (
+    LATE_WARNING_RATE,
     MISSED_DETECTION_BOUND,
     MISSED_DETECTION_DECISION_RATE,
     MISSED_DETECTION_ENCOUNTER_RATE,
@@ -67,6 +68,7 @@ METRICS: dict[str, Metric] = {
     "range_rmse_m": RANGE_RMSE_M,
     "missed_detection_decision_rate": MISSED_DETECTION_DECISION_RATE,
     "missed_detection_encounter_rate": MISSED_DETECTION_ENCOUNTER_RATE,
+    "late_warning_rate": LATE_WARNING_RATE,
     "missed_detection_bound": MISSED_DETECTION_BOUND,
     "false_alert_rate_ph": FALSE_ALERT_RATE_PH,
 }

@@ -52,6 +52,8 @@ class Flights:
         n_d of (37), the estimates that must all be wrong for a missed conflict.
     range_error_probability : float
         P(delta) of (31), the share of range errors within delta.
+    reaction_s : float
+        t_r of (40), the time needed to react to a warning.
     """
 
     table: np.ndarray
@@ -60,6 +62,7 @@ class Flights:
     suite_radius_m: float
     trials: int
     range_error_probability: float
+    reaction_s: float
 
     def __post_init__(self) -> None:
         for name in ("table", "none", "reference"):

@@ -23,6 +23,16 @@ def missed_detection_encounter_rate(flights: Flights) -> Interval:
     return share(flights.none["missed_ticks"][flights.none["zone"]] >= flights.trials)
 
 
+def late_warning_rate(flights: Flights) -> Interval:
+    """Share of the collisions of `none` whose first warning, if any, left less than t_r before contact.
+
+    The flown counterpart of Fig. 12: what the bound (36) is meant to hold down. Clopper-Pearson; `n` is the number of
+    collisions of `none`.
+    """
+    hit = flights.none[flights.none["collision"]]
+    return share((hit["warned_s"] < 0.0) | (hit["warned_s"] > hit["closest_s"] - flights.reaction_s))
+
+
 def missed_detection_bound(flights: Flights) -> Interval:
     """(1 - P(delta))^n_d of (36): computed, not observed, hence without interval and with n = 0."""
     return Interval(float((1.0 - flights.range_error_probability) ** flights.trials), None, None, 0)
@@ -36,6 +46,9 @@ MISSED_DETECTION_DECISION_RATE = Metric(
 )
 MISSED_DETECTION_ENCOUNTER_RATE = Metric(
     "share of zone entries that n_d successive estimates miss", ONE, missed_detection_encounter_rate, sensor=True
+)
+LATE_WARNING_RATE = Metric(
+    "share of collision courses warned of less than t_r before contact", ONE, late_warning_rate, sensor=True
 )
 MISSED_DETECTION_BOUND = Metric(
     "the paper's bound (36) of that share, for independent errors", ONE, missed_detection_bound, sensor=True

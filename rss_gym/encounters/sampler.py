@@ -110,9 +110,7 @@ def least_planned_separation_m(one, two, end_s):
             stop_s = min(stop_s, two.path_s[leg_two + 1])
         ax, ay, az, avx, avy, avz = planned(one, leg_one, start_s)
         bx, by, bz, bvx, bvy, bvz = planned(two, leg_two, start_s)
-        square = least_square_separation(
-            bx - ax, by - ay, bz - az, bvx - avx, bvy - avy, bvz - avz, stop_s - start_s
-        )
+        square = least_square_separation(bx - ax, by - ay, bz - az, bvx - avx, bvy - avy, bvz - avz, stop_s - start_s)
         least = min(least, square)
         start_s = stop_s
     return sqrt(least)
@@ -205,7 +203,9 @@ def draw(key, config, families, aircraft, intruders):
             if k == 0:
                 own_turn_s = TURN_LATEST_S + (TURN_EARLIEST_S - TURN_LATEST_S) * uniform(key, STREAM_SAMPLER, at + 11)
                 own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.turn_min_rad, law.turn_max_rad)
-                lay_path(agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s, min(own_turn_s, 0.6 * approach_s), own_turn)
+                lay_path(
+                    agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s, min(own_turn_s, 0.6 * approach_s), own_turn
+                )
             ivx, ivy = speed * dx, speed * dy
             lay_path(intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s, min(turn_s, 0.6 * approach_s), turn)
             start = start_separation_m(agent, intruder)

@@ -16,6 +16,7 @@ NONE = {
     "zone": [T, T, T, T, T, F],
     "flown_s": [50, 60, 100, 100, 100, 100],
     "closest_s": [50, 60, 55, 40, 50, 45],
+    "warned_s": [20, 59.5, 30, 20, 10, -1],
     "false_alerts": [0, 1, 0, 0, 0, 2],
     "missed_ticks": [0, 8, 3, 9, 0, 0],
     "sample_separation_m": [100, 119, 121, 130, 60, 150],
@@ -69,7 +70,7 @@ def random_table(generator, n, risk=0.2):
 
 def flights_of(table, none, reference=None):
     """Flights in the zone of the paper."""
-    return Flights(table, none, reference, suite_radius_m=120.0, trials=8, range_error_probability=0.8)
+    return Flights(table, none, reference, suite_radius_m=120.0, trials=8, range_error_probability=0.8, reaction_s=1.0)
 
 
 @pytest.fixture

@@ -1,0 +1,50 @@
+"""The report of an evaluation: one page that needs no network, `report.html`."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from rss_gym.eval.evaluate import Result
+from rss_gym.eval.report import charts, facts, families, page, replay, sensor, tables
+from rss_gym.eval.report.page import Section
+
+__all__ = ["REPORT", "markup", "write"]
+
+REPORT = "report.html"
+SCRIPTS = ("tables.js", "replay.js")
+
+
+def markup(result: Result, reference: str | None = None) -> str:
+    """The page as text; the same result gives the same text."""
+    flights = replay.collect(result, reference)
+    sections = [
+        Section("Safety against deviation", charts.safety(result) + charts.CAPTION),
+        Section("Scores", tables.main(result)),
+        Section("Replays", replay.markup(result, flights, reference), flights),
+        Section("Encounter families", families.breakdown(result)),
+        Section("Sensor", sensor.section(result)),
+        Section("All metrics", tables.everything(result)),
+        Section("Run", facts.run(result)),
+    ]
+    return page.render(f"Evaluation on {result.suite.name}", facts.lead(result), sections, SCRIPTS)
+
+
+def write(result: Result, folder: str | os.PathLike[str], reference: str | None = None) -> Path:
+    """Write `report.html`.
+
+    Parameters
+    ----------
+    result : Result
+        Of `rss_gym.eval.evaluate`. A few of its encounters are flown again.
+    folder : path
+        Must exist; an older report in it is replaced.
+    reference : str, optional
+        Name of the policy that replays are shown beside; default: the first orthogonal rule, else `none`.
+
+    Returns
+    -------
+    Path
+        Of the file.
+    """
+    return page.save(markup(result, reference), Path(folder) / REPORT)

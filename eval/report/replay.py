@@ -1,0 +1,215 @@
+"""Flies each policy's closest encounters again, beside a reference on the same episode, for the player of the page."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rss_gym.core import Batch
+from rss_gym.eval.episodes import Block, PolicyError, fly
+from rss_gym.eval.evaluate import NOMINAL, Result, Scored
+from rss_gym.eval.report import series
+from rss_gym.eval.report.page import text
+
+POLICIES, ENCOUNTERS = 8, 3  # that fit into the page
+RULE = "orthogonal"
+SAME = ("collision", "min_separation_m", "flown_m", "flown_s")  # columns that a second flight must repeat
+
+
+class Flight:
+    """The samples of one flight, one a decision: call it with the batch of one, as `fly` does.
+
+    Lengths are whole decimetres and the least separation whole centimetres, which keeps the page small.
+    """
+
+    def __init__(self) -> None:
+        self.own: dict[str, list[int | None]] = {"position": [], "planned": [], "way_point": []}
+        self.intruders: list[dict[str, list[int | None]]] = []
+        self.least: list[int] = []
+        self.times: list[float] = []
+        self.collision = False
+
+    def __call__(self, batch: Batch) -> None:
+        """Take the present moment of row 0."""
+        params, episode = batch.params, batch.episode[0]
+        axes = 2 if params.encounter.planar else 3
+        own, aircraft = batch.own[0], batch.world.aircraft[0]
+        self.own["position"] += scaled(aircraft[0]["position_m"][:axes])
+        self.own["planned"] += scaled(own["planned_m"][:axes])
+        self.own["way_point"] += scaled(own["way_point_m"][:axes])
+        for k in range(int(episode["intruders"])):
+            if k == len(self.intruders):
+                columns = ("position", "message", "range", "std", "zone", "warning")
+                self.intruders.append({name: [] for name in columns})
+            into, other = self.intruders[k], batch.others[0, k]
+            into["position"] += scaled(aircraft[1 + k]["position_m"][:axes])
+            told = other["valid"] and params.interface.track != "range"
+            message = other["position_m"] + other["age_s"] * other["velocity_mps"] if told else np.full(3, np.nan)
+            into["message"] += scaled(message[:axes])
+            into["range"] += scaled(other["range_m"])
+            into["std"] += scaled(other["range_std_m"])
+            into["zone"] += scaled(other["radius_m"])
+            into["warning"].append(int(other["warning"]))
+        self.least.append(round(100.0 * float(episode["min_separation_m"])))
+        self.times.append(round(float(episode["tick"]) * params.clock.tick_s, 3))
+        self.collision = bool(episode["collision"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain JSON types."""
+        return {
+            "own": self.own,
+            "intruders": self.intruders,
+            "least": self.least,
+            "times": self.times,
+            "collision": self.collision,
+        }
+
+
+def scaled(values: Any) -> list[int | None]:
+    """Metres as whole decimetres; None for what is not finite."""
+    return [round(10.0 * value) if math.isfinite(value) else None for value in np.atleast_1d(values).tolist()]
+
+
+def closest(scored: Scored, count: int = ENCOUNTERS) -> list[int]:
+    """Rows of the encounters in which the policy came nearest to an intruder."""
+    table = scored.table
+    return [int(row) for row in np.lexsort((table["episode"], table["min_separation_m"]))[:count]]
+
+
+def reference_index(result: Result, name: str | None = None) -> int:
+    """The policy that all others are shown beside: the one named, else the first orthogonal rule, else `none`."""
+    entries = [scored.entry for scored in result.policies]
+    names = [entry.name for entry in entries]
+    if name is not None:
+        return names.index(name)
+    rules = [entry.spec.partition(":")[0] for entry in entries]
+    near = [index for index, entry in enumerate(entries) if entry.spec.startswith(RULE)]
+    return rules.index(RULE) if RULE in rules else near[0] if near else names.index(NOMINAL)
+
+
+def chosen(result: Result, reference: int) -> tuple[list[int], list[int]]:
+    """Policies shown and left out: the reference stays, then those that are not one of many settings of a rule."""
+    on_curve = {index for curve in series.of(result).curves for index, _ in curve.members}
+    indices = range(len(result.policies))
+    order = sorted(indices, key=lambda index: (index != reference, index in on_curve, index))
+    return sorted(order[:POLICIES]), sorted(order[POLICIES:])
+
+
+def collect(result: Result, reference: str | None = None) -> dict[str, Any]:
+    """The flights for the player.
+
+    Parameters
+    ----------
+    result : Result
+    reference : str, optional
+        Name of the policy to show beside the others.
+
+    Returns
+    -------
+    dict
+        JSON: policies with their cases, each of which names two of the flights; what was left out.
+    """
+    beside = reference_index(result, reference)
+    nominal = [scored.entry.name for scored in result.policies].index(NOMINAL)
+    shown, left_out = chosen(result, beside)
+    flights: dict[tuple[int, int], int] = {}
+    records: list[dict[str, Any]] = []
+    failed: list[str] = []
+
+    def flown(index: int, row: int) -> int:
+        if (index, row) not in flights:
+            records.append(again(result, index, row))
+            flights[index, row] = len(records) - 1
+        return flights[index, row]
+
+    policies = []
+    for index in shown:
+        scored = result.policies[index]
+        other = beside if index != beside else nominal
+        try:
+            cases = [
+                {
+                    "episode": int(scored.table["episode"][row]),
+                    "family": result.suite.families[scored.table["family"][row]],
+                    "least_m": round(float(scored.table["min_separation_m"][row]), 2),
+                    "closest_s": round(float(scored.table["closest_s"][row]), 1),
+                    "flight": flown(index, row),
+                    "beside": flown(other, row) if other != index else None,
+                }
+                for row in closest(scored)
+            ]
+        except PolicyError as error:
+            failed.append(str(error))
+            continue
+        policies.append({"name": scored.entry.name, "cases": cases})
+    return {
+        "policies": policies,
+        "flights": records,
+        "left_out": [result.policies[index].entry.name for index in left_out],
+        "failed": failed,
+        "zone_m": result.suite.params.zone.radius_m,
+        "collision_m": result.suite.params.zone.collision_m,
+        "decision_s": result.suite.params.clock.decision_s,
+        "planar": result.suite.params.encounter.planar,
+    }
+
+
+def again(result: Result, index: int, row: int) -> dict[str, Any]:
+    """One encounter of one policy, flown again, with its name and whether it came out as scored."""
+    scored, flight = result.policies[index], Flight()
+    entry, number = scored.entry, int(scored.table["episode"][row])
+    block = Block(result.suite.split, result.seed, [number])
+    table, _ = fly(entry.policy, entry.name, entry.world, block, watch=flight)
+    same = all(table[0][name] == scored.table[row][name] for name in SAME)
+    return {"name": entry.name, "same": same, **flight.to_dict()}
+
+
+MARKUP = """<p class="text">Each policy's encounters with the least separation, flown again beside {beside}.
+North is up. Space plays, the arrow keys step by one decision.{left_out}</p>
+<noscript><p class="note">The replays need JavaScript; everything else on this page does not.</p></noscript>
+<div class="player" id="player" role="group" aria-label="Replay" tabindex="0" hidden>
+<div class="choice">
+<label>policy <select data-part="policy"></select></label>
+<label>encounter <select data-part="case"></select></label>
+<label>view <select data-part="view"><option value="whole">whole flight</option><option value="close">close-up</option></select></label>
+</div>
+<div class="maps">
+<figure data-part="first"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
+<figure data-part="second"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
+</div>
+<div class="controls">
+<button type="button" data-part="play" aria-label="Play">▶</button>
+<input type="range" data-part="time" min="0" value="0" step="0.1" aria-label="Time">
+<output data-part="clock"></output>
+<label>speed <select data-part="speed"><option>1</option><option>2</option><option selected>5</option><option>10</option><option>20</option></select></label>
+</div>
+<canvas class="graph" data-part="graph" role="img" aria-label="Separation over time"></canvas>
+<ul class="legend">{legend}</ul>
+</div>
+"""
+_SIGNS = {
+    "agent": '<path class="agent" d="M2 3 16 8 2 13 5.5 8Z"/>',
+    "intruder": '<path class="other" d="M2 3 16 8 2 13 5.5 8Z"/>',
+    "predefined path": '<path class="dashed" d="M0 8H18"/>',
+    "planned position": '<circle class="agent-line" cx="9" cy="8" r="4"/>',
+    "commanded way point": '<path class="agent-line" d="M9 3 14 8 9 13 4 8Z"/>',
+    "last message": '<path class="other-line" d="M5 4 13 12M13 4 5 12"/>',
+    "estimated range ± std": '<circle class="ring" cx="9" cy="8" r="6"/>',
+    "safety zone": '<circle class="zone" cx="9" cy="8" r="6.5"/>',
+}
+
+
+def markup(result: Result, data: dict[str, Any], reference: str | None = None) -> str:
+    """The player, still without flights, which a script puts in."""
+    beside = result.policies[reference_index(result, reference)].entry.name
+    words = f"<code>{text(beside)}</code>"
+    if beside != NOMINAL:
+        words += f" (and that one beside <code>{NOMINAL}</code>)"
+    left_out = f" Without replays, to keep the page small: {text(', '.join(data['left_out']))}." if data["left_out"] else ""
+    left_out += "".join(f" Not flown again: {text(sentence)}." for sentence in data["failed"])
+    legend = "".join(
+        f'<li><svg width="18" height="16" aria-hidden="true">{sign}</svg>{name}</li>' for name, sign in _SIGNS.items()
+    )
+    return MARKUP.format(beside=words, left_out=left_out, legend=legend)
