@@ -23,6 +23,7 @@ from rss_gym.eval.evaluate import Result, Scored
 from rss_gym.params import ParamsError
 
 SCORES, TABLES = "scores.json", "tables"
+SCHEMA = 1  # raised when fields of scores.json or columns of the tables change
 
 
 def versions() -> dict[str, str]:
@@ -46,19 +47,23 @@ def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
         If `out` exists and is not an empty folder, or cannot be written.
     """
     target = check_new(out)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
     try:
-        yield temporary
-        temporary.chmod(0o755)
-        if target.is_dir():
-            target.rmdir()
-        temporary.rename(target)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=f".{target.name[:80]}-", dir=target.parent))
+        try:
+            yield temporary
+            temporary.chmod(0o755)
+            if target.is_dir():
+                target.rmdir()
+            temporary.rename(target)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+    except OSError as error:
+        raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
 
 
 def check_new(out: str | os.PathLike[str]) -> Path:
-    """The absolute path of a folder that can be made; called before a long run, not after it.
+    """The absolute path of a folder that can be made; called before a long run, not after it. Nothing is made.
 
     Raises
     ------
@@ -66,13 +71,12 @@ def check_new(out: str | os.PathLike[str]) -> Path:
         As `new_folder`.
     """
     target = Path(out).absolute()
-    if target.is_dir() and any(target.iterdir()):
-        raise ParamsError(f"output folder {str(out)!r} exists and is not empty; name a new one")
-    if target.exists() and not target.is_dir():
-        raise ParamsError(f"output folder {str(out)!r} is a file; name a new folder")
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=target.parent):
+        if target.is_dir() and any(target.iterdir()):
+            raise ParamsError(f"output folder {str(out)!r} exists and is not empty; name a new one")
+        if target.exists() and not target.is_dir():
+            raise ParamsError(f"output folder {str(out)!r} is a file; name a new folder")
+        with tempfile.TemporaryFile(dir=next(folder for folder in target.parents if folder.exists())):
             pass
     except OSError as error:
         raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
@@ -94,12 +98,14 @@ def save(result: Result, out: str | os.PathLike[str], with_csv: bool = False) ->
 def document(result: Result, policies: list[dict[str, Any]]) -> dict[str, Any]:
     """`scores.json` as a dict."""
     return {
+        "schema": SCHEMA,
         "suite": result.suite.name,
         "suite_hash": result.suite.hash,
         "split": result.suite.split,
         "seed": result.seed,
         "episodes": result.episodes,
         "official": result.official,
+        "reference": result.reference,
         "families": result.suite.families,
         "params": result.suite.params.to_dict(),
         "versions": versions(),
@@ -133,7 +139,7 @@ def write_table(folder: Path, stem: str, table: np.ndarray, with_csv: bool) -> d
 
 def table_digest(table: np.ndarray) -> str:
     """SHA-256 of a table's rows in memory, which is the same on every machine; a compressed file's is not."""
-    return hashlib.sha256(np.ascontiguousarray(table).tobytes()).hexdigest()
+    return hashlib.sha256(np.ascontiguousarray(table).view(np.uint8)).hexdigest()
 
 
 def _write_json(path: Path, value: Any) -> None:

@@ -102,7 +102,7 @@ class Batch:
     @property
     def episode(self) -> np.ndarray:
         """The rows' episode records, shape (n,)."""
-        return self.world.episode  # type: ignore[no-any-return]
+        return self.world.episode
 
     def seed(self, seeds: np.ndarray, mask: np.ndarray | slice = slice(None)) -> None:
         """Give rows a seed; their next episode is number 0 of it, on split `train`."""
@@ -138,8 +138,8 @@ class Batch:
         """A copy of one column of `INFO`, or `is_success`."""
         e = self.episode
         if name == "is_success":
-            return e["truncated"] & ~e["collision"]  # type: ignore[no-any-return]
-        return e[name].copy()  # type: ignore[no-any-return]
+            return e["truncated"] & ~e["collision"]
+        return e[name].copy()
 
 
 def discrete_actions(params: Params) -> int:

@@ -15,13 +15,13 @@ REPORT = "report.html"
 SCRIPTS = ("tables.js", "replay.js")
 
 
-def markup(result: Result, reference: str | None = None) -> str:
+def markup(result: Result) -> str:
     """The page as text; the same result gives the same text."""
-    flights = replay.collect(result, reference)
+    flights = replay.collect(result)
     sections = [
         Section("Safety against deviation", charts.safety(result) + charts.CAPTION),
         Section("Scores", tables.main(result)),
-        Section("Replays", replay.markup(result, flights, reference), flights),
+        Section("Replays", replay.markup(result, flights), flights),
         Section("Encounter families", families.breakdown(result)),
         Section("Sensor", sensor.section(result)),
         Section("All metrics", tables.everything(result)),
@@ -30,7 +30,7 @@ def markup(result: Result, reference: str | None = None) -> str:
     return page.render(f"Evaluation on {result.suite.name}", facts.lead(result), sections, SCRIPTS)
 
 
-def write(result: Result, folder: str | os.PathLike[str], reference: str | None = None) -> Path:
+def write(result: Result, folder: str | os.PathLike[str]) -> Path:
     """Write `report.html`.
 
     Parameters
@@ -39,12 +39,10 @@ def write(result: Result, folder: str | os.PathLike[str], reference: str | None 
         Of `rss_gym.eval.evaluate`. A few of its encounters are flown again.
     folder : path
         Must exist; an older report in it is replaced.
-    reference : str, optional
-        Name of the policy that replays are shown beside; default: the first orthogonal rule, else `none`.
 
     Returns
     -------
     Path
         Of the file.
     """
-    return page.save(markup(result, reference), Path(folder) / REPORT)
+    return page.save(markup(result), Path(folder) / REPORT)

@@ -12,7 +12,7 @@
   const part = (name) => player.querySelector(`[data-part="${name}"]`);
   const [policy, choice, view, play, time, clock, speed, graph] =
     ["policy", "case", "view", "play", "time", "clock", "speed", "graph"].map(part);
-  const panels = [part("first"), part("second")].map((figure) => ({
+  const panels = [...player.querySelectorAll("figure")].map((figure) => ({
     figure, title: figure.querySelector("figcaption"), canvas: figure.querySelector("canvas"), state: figure.querySelector("p"),
   }));
   const now = { t: 0, end: 1, playing: false, fresh: true, flights: [], frame: null };
@@ -173,8 +173,8 @@
     for (const other of flight.intruders) {
       const there = px(at(other.position, when)), open = other.warning[when.k] === 1;
       const colour = open ? ink.red : ink.orange, zone = other.zone[when.k] / 10 * scale;
-      circle(pen, there, zone, { fill: colour, alpha: open ? 0.09 : 0.05 });
-      circle(pen, there, zone, { line: colour, width: open ? 1.6 : 1.1, dash: open ? [] : [5, 4] });
+      circle(pen, there, zone, { fill: colour, alpha: open ? 0.06 : 0.04 });
+      circle(pen, there, zone, { line: colour, width: 1.2, dash: open ? [] : [5, 4] });
       if (other.range[when.k] !== null) {
         const range = other.range[when.k] / 10 * scale, std = (other.std[when.k] || 0) / 10 * scale;
         circle(pen, spot, range + std, { fill: ink.ring, alpha: 0.16, inner: Math.max(0, range - std) });
@@ -236,11 +236,11 @@
     const open = flight.intruders.some((other) => other.warning[when.k] === 1);
     const nearest = flight.intruders.reduce((a, b) => (b.range[when.k] !== null && (a.range[when.k] === null || b.range[when.k] < a.range[when.k]) ? b : a));
     const words = [];
-    words.push(`separation ${separation(flight, when).toFixed(1)} m`);
+    const apart = separation(flight, when), least = Math.min(apart, flight.least[when.k] / 100);
+    words.push(`separation ${apart.toFixed(1)} m, least ${least.toFixed(1)} m`);
     if (nearest.range[when.k] !== null) {
-      words.push(`estimated ${(nearest.range[when.k] / 10).toFixed(0)} ± ${((nearest.std[when.k] || 0) / 10).toFixed(0)} m`);
+      words.push(`estimate ${(nearest.range[when.k] / 10).toFixed(0)} ± ${((nearest.std[when.k] || 0) / 10).toFixed(0)} m`);
     }
-    words.push(`least so far ${(flight.least[when.k] / 100).toFixed(1)} m`);
     if (!flight.same) words.push("not as scored");
     const spans = words.map((text) => span(text));
     if (flight.collision && when.k === flight.times.length - 1) spans.unshift(span(`collision at ${flight.times[when.k].toFixed(1)} s`, "warning"));
@@ -280,20 +280,9 @@
     }
     now.flights.forEach((flight, index) => {
       const points = flight.times.map((t, k) => [x(t), y(separation(flight, { k, next: k, share: 0 }))]);
-      // The least separation of a flight that ends in a collision falls between two samples.
       stroke(pen, points, index ? ink.muted : ink.blue, index ? 1.4 : 2);
     });
     stroke(pen, [[x(now.t), top], [x(now.t), bottom]], ink.ink, 1);
-    pen.textAlign = "right";
-    [...now.flights.entries()].reverse().forEach(([index, flight]) => {
-      const line = bottom - 8 - 16 * (now.flights.length - 1 - index);
-      const text = flight.name.length > 36 ? `${flight.name.slice(0, 35)}…` : flight.name;
-      pen.lineWidth = 3;
-      pen.strokeStyle = ink.panel;
-      pen.strokeText(text, right - 4, line);
-      pen.fillStyle = index ? ink.muted : ink.blue;
-      pen.fillText(text, right - 4, line);
-    });
   }
 
   function draw() {
@@ -409,5 +398,6 @@
   window.addEventListener("resize", draw);
   window.addEventListener("hashchange", follow);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  policy.value = Math.max(0, data.policies.findIndex((item) => item.name !== data.beside && item.name !== "none"));
   if (!follow()) { listCases(); load(); }
 })();

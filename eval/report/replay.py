@@ -13,7 +13,7 @@ from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.report import series
 from rss_gym.eval.report.page import text
 
-POLICIES, ENCOUNTERS = 8, 3  # that fit into the page
+POLICIES, ENCOUNTERS = 12, 3  # that fit into the page
 RULE = "orthogonal"
 SAME = ("collision", "min_separation_m", "flown_m", "flown_s")  # columns that a second flight must repeat
 
@@ -78,40 +78,29 @@ def closest(scored: Scored, count: int = ENCOUNTERS) -> list[int]:
     return [int(row) for row in np.lexsort((table["episode"], table["min_separation_m"]))[:count]]
 
 
-def reference_index(result: Result, name: str | None = None) -> int:
-    """The policy that all others are shown beside: the one named, else the first orthogonal rule, else `none`."""
+def reference_index(result: Result) -> int:
+    """The policy that the others are shown beside: the result's reference or the first that is a rule, else `none`."""
     entries = [scored.entry for scored in result.policies]
-    names = [entry.name for entry in entries]
-    if name is not None:
-        return names.index(name)
-    rules = [entry.spec.partition(":")[0] for entry in entries]
-    near = [index for index, entry in enumerate(entries) if entry.spec.startswith(RULE)]
-    return rules.index(RULE) if RULE in rules else near[0] if near else names.index(NOMINAL)
+    rules = [index for index, entry in enumerate(entries) if entry.spec.startswith(RULE)]
+    rules.sort(key=lambda index: (entries[index].spec.partition(":")[0] != RULE, entries[index].name != result.reference))
+    return rules[0] if rules else [entry.name for entry in entries].index(NOMINAL)
 
 
 def chosen(result: Result, reference: int) -> tuple[list[int], list[int]]:
-    """Policies shown and left out: the reference stays, then those that are not one of many settings of a rule."""
+    """Policies shown and left out: the reference, those that are alone, then settings of rules, evenly spread."""
     on_curve = {index for curve in series.of(result).curves for index, _ in curve.members}
-    indices = range(len(result.policies))
-    order = sorted(indices, key=lambda index: (index != reference, index in on_curve, index))
-    return sorted(order[:POLICIES]), sorted(order[POLICIES:])
+    everybody = range(len(result.policies))
+    first = sorted(everybody, key=lambda index: (index != reference, index in on_curve, index))[:POLICIES]
+    alone = [index for index in first if index == reference or index not in on_curve]
+    settings = [index for index in everybody if index in on_curve and index != reference]
+    picked = np.linspace(0, len(settings) - 1, min(POLICIES - len(alone), len(settings))).round().astype(int)
+    shown = sorted([*alone, *(settings[k] for k in picked)])
+    return shown, [index for index in everybody if index not in shown]
 
 
-def collect(result: Result, reference: str | None = None) -> dict[str, Any]:
-    """The flights for the player.
-
-    Parameters
-    ----------
-    result : Result
-    reference : str, optional
-        Name of the policy to show beside the others.
-
-    Returns
-    -------
-    dict
-        JSON: policies with their cases, each of which names two of the flights; what was left out.
-    """
-    beside = reference_index(result, reference)
+def collect(result: Result) -> dict[str, Any]:
+    """The flights for the player: policies with their cases, each of which names two of the flights, as plain JSON."""
+    beside = reference_index(result)
     nominal = [scored.entry.name for scored in result.policies].index(NOMINAL)
     shown, left_out = chosen(result, beside)
     flights: dict[tuple[int, int], int] = {}
@@ -147,6 +136,7 @@ def collect(result: Result, reference: str | None = None) -> dict[str, Any]:
     return {
         "policies": policies,
         "flights": records,
+        "beside": result.policies[beside].entry.name,
         "left_out": [result.policies[index].entry.name for index in left_out],
         "failed": failed,
         "zone_m": result.suite.params.zone.radius_m,
@@ -176,8 +166,8 @@ North is up. Space plays, the arrow keys step by one decision.{left_out}</p>
 <label>view <select data-part="view"><option value="whole">whole flight</option><option value="close">close-up</option></select></label>
 </div>
 <div class="maps">
-<figure data-part="first"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
-<figure data-part="second"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
+<figure class="first"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
+<figure class="second"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
 </div>
 <div class="controls">
 <button type="button" data-part="play" aria-label="Play">▶</button>
@@ -185,7 +175,7 @@ North is up. Space plays, the arrow keys step by one decision.{left_out}</p>
 <output data-part="clock"></output>
 <label>speed <select data-part="speed"><option>1</option><option>2</option><option selected>5</option><option>10</option><option>20</option></select></label>
 </div>
-<canvas class="graph" data-part="graph" role="img" aria-label="Separation over time"></canvas>
+<canvas class="graph" data-part="graph" role="img" aria-label="Separation over time, of both flights"></canvas>
 <ul class="legend">{legend}</ul>
 </div>
 """
@@ -201,9 +191,9 @@ _SIGNS = {
 }
 
 
-def markup(result: Result, data: dict[str, Any], reference: str | None = None) -> str:
+def markup(result: Result, data: dict[str, Any]) -> str:
     """The player, still without flights, which a script puts in."""
-    beside = result.policies[reference_index(result, reference)].entry.name
+    beside = result.policies[reference_index(result)].entry.name
     words = f"<code>{text(beside)}</code>"
     if beside != NOMINAL:
         words += f" (and that one beside <code>{NOMINAL}</code>)"

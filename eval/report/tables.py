@@ -25,7 +25,7 @@ _SUFFIXES = {"m": "_m", "s": "_s", "1/h": "_ph", "m/s": "_mps"}
 
 def title(name: str, unit: str) -> str:
     """A metric's name for readers: `min_separation_p0_1_m` is `min separation, 0.1 %`."""
-    stem = name.removesuffix(_SUFFIXES.get(unit, ""))
+    stem = name.removesuffix(_SUFFIXES.get(unit, "")).replace("snmac", "sNMAC")
     quantile = re.fullmatch(r"(.*)_p(\d+)(?:_(\d+))?", stem)
     if quantile is None:
         return stem.replace("_", " ")
@@ -48,13 +48,14 @@ def cell(estimate: Estimate | None) -> str:
 def heading(name: str) -> str:
     """A column's heading, with its unit and, as a tool tip, its definition."""
     metric = METRICS[name]
-    unit = "" if metric.unit in ("1", "count") else f' <span class="unit">{text(metric.unit)}</span>'
+    unit = "" if metric.unit in ("1", "count") else f" ({text(metric.unit)})"
     return f'<th scope="col" title="{text(metric.summary)}">{text(title(name, metric.unit))}{unit}</th>'
 
 
 def policy_heading(name: str, class_: str) -> str:
-    """A row's heading, with the colour that the policy has in the charts."""
-    return f'<th scope="row"><span class="dot {class_}"></span>{text(name)}</th>'
+    """A row's heading, with the colour that the policy has in the charts; long names break between their options."""
+    shown = re.sub("[:,]", r"\g<0><wbr>", text(name))
+    return f'<th scope="row"><span class="who"><span class="dot {class_}"></span><span>{shown}</span></span></th>'
 
 
 def table(result: Result, names: list[str]) -> str:

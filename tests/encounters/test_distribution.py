@@ -16,8 +16,11 @@ N = 4000
 ENCOUNTER, TAIL_S = Params().encounter, Params().clock.tail_s
 START_MIN_M = ENCOUNTER.start_range_min * ENCOUNTER.start_range_unit_m
 START_MAX_M = ENCOUNTER.start_range_max * ENCOUNTER.start_range_unit_m
-NAMES = [*encounters.FAMILIES, encounters.MIXED]
-STRAIGHT = [name for name, family in encounters.FAMILIES.items() if family.turn_rad is None]
+# The laws that are drawn from; the hand-written encounters obey no limits and stay out of `mixed`.
+LAWS = {name: family for name, family in encounters.FAMILIES.items() if family.script is None}
+SCRIPTS = {name: family.script for name, family in encounters.FAMILIES.items() if family.script is not None}
+NAMES = [*LAWS, encounters.MIXED]
+STRAIGHT = [name for name, family in LAWS.items() if family.turn_rad is None]
 SIGMAS = 4.5  # of a statistic that is normal under the published law: 7e-6 two-sided, on fixed seeds
 
 
@@ -136,10 +139,10 @@ def test_limits_and_planned_closest_approach(name, planar):
         assert np.all(d.vertical == 0.0)
 
 
-@pytest.mark.parametrize("name", list(encounters.FAMILIES))
+@pytest.mark.parametrize("name", list(LAWS))
 def test_closest_approaches_are_those_of_the_law(name):
     """Signs are even; the share of conflicts and the spread of the others are as published."""
-    family, d, limit = encounters.FAMILIES[name], drawn(name), ENCOUNTER.conflict_offset_m
+    family, d, limit = LAWS[name], drawn(name), ENCOUNTER.conflict_offset_m
     low, high = family.offset_m or (0.0, ENCOUNTER.horizontal_offset_m)
     size = abs(d.horizontal)
     assert_symmetric(d.horizontal)
@@ -157,10 +160,10 @@ def test_closest_approaches_are_those_of_the_law(name):
             assert stats.kstest(size[~others], stats.uniform(0.0, limit).cdf).pvalue > 1e-4
 
 
-@pytest.mark.parametrize("name", list(encounters.FAMILIES))
+@pytest.mark.parametrize("name", list(LAWS))
 def test_crossing_angles(name):
     """In the family's range, both sides alike, and uniform where no speeds can make a draw too slow."""
-    family, d = encounters.FAMILIES[name], drawn(name)
+    family, d = LAWS[name], drawn(name)
     low, high = family.crossing_rad
     size = abs(d.crossing)
     assert np.all((size >= low - 1e-6) & (size <= high + 1e-6))
@@ -258,32 +261,52 @@ def test_about_two_fifths_collide_if_nobody_acts():
 
 def test_weights_are_shares():
     assert sum(family.weight for family in encounters.FAMILIES.values()) == pytest.approx(1.0, abs=1e-12)
+    assert all(encounters.FAMILIES[name].weight == 0.0 for name in SCRIPTS)
+    assert all(family.weight > 0.0 for family in LAWS.values())
     table = encounters.records(Encounter())
     assert table["weight"][-1] == 1.0
-    np.testing.assert_allclose(np.diff(table["weight"], prepend=0.0), [f.weight for f in encounters.FAMILIES.values()])
+    np.testing.assert_allclose(np.diff(table["weight"], prepend=0.0), [f.weight for f in LAWS.values()])
 
 
 def test_mixed_draws_by_weight():
-    counts = np.bincount(drawn("mixed").family, minlength=len(encounters.FAMILIES))
-    assert stats.chisquare(counts, N * np.array([f.weight for f in encounters.FAMILIES.values()])).pvalue > 1e-4
+    counts = np.bincount(drawn("mixed").family, minlength=len(LAWS))
+    assert stats.chisquare(counts, N * np.array([f.weight for f in LAWS.values()])).pvalue > 1e-4
 
 
 @pytest.mark.parametrize("name", list(encounters.FAMILIES))
 def test_every_family_is_reachable_by_name(name):
     family = encounters.FAMILIES[name]
     assert encounters.chosen(Encounter(families=name)) == [name]
-    assert family.weight > 0.0
     assert 0.0 <= family.conflict_share <= 1.0
     for low, high in (family.crossing_rad, family.turn_rad or (0.0, 0.0)):
         assert 0.0 <= low <= high <= np.pi + 1e-12
     assert family.summary
     assert not family.summary.endswith(".")
-    assert np.all(drawn(name).family == 0)
+    assert np.all(fresh(20, families=name).episode["family"] == 0)
+
+
+@pytest.mark.parametrize("name", list(SCRIPTS))
+def test_scripts_are_laid_as_written(name):
+    """In the axes of the agent's heading, which is drawn."""
+    script, batch = SCRIPTS[name], fresh(200, families=name)
+    agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, 1]
+    times = np.linspace(0.0, script.end_s, 7)
+    (own, own_v), (other, _) = (path_at(craft, np.tile(times, (batch.n, 1))) for craft in (agent, intruder))
+    np.testing.assert_allclose(np.linalg.norm(own_v, axis=2), script.own_mps, rtol=1e-12)
+    heading = own_v[:, 0] / script.own_mps
+    right = np.stack([heading[:, 1], -heading[:, 0], 0.0 * heading[:, 0]], axis=1)
+    r = other - own
+    along = script.start_m[0] + (script.velocity_mps[0] - script.own_mps) * times
+    across = script.start_m[1] + script.velocity_mps[1] * times
+    np.testing.assert_allclose(np.sum(r * heading[:, None], axis=2), np.tile(along, (batch.n, 1)), atol=1e-9)
+    np.testing.assert_allclose(np.sum(r * right[:, None], axis=2), np.tile(across, (batch.n, 1)), atol=1e-9)
+    np.testing.assert_allclose(r[..., 2], script.start_m[2], atol=1e-12)
+    assert stats.kstest(np.arctan2(heading[:, 1], heading[:, 0]), stats.uniform(-np.pi, 2.0 * np.pi).cdf).pvalue > 1e-4
 
 
 def test_several_families_and_unknown_ones():
     assert encounters.chosen(Encounter(families=("turning", "crossing"))) == ["crossing", "turning"]
-    assert encounters.chosen(Encounter()) == list(encounters.FAMILIES)
+    assert encounters.chosen(Encounter()) == list(LAWS)
     batch = fresh(2000, families=("turning", "crossing"))
     weights = np.array([encounters.FAMILIES[name].weight for name in ("crossing", "turning")])
     assert stats.chisquare(np.bincount(batch.episode["family"]), 2000 * weights / weights.sum()).pvalue > 1e-4
