@@ -13,7 +13,7 @@ from rss_gym.params import number
 
 def homing(seen: dict[str, np.ndarray], gain_ps: float = 0.3) -> np.ndarray:
     """Velocity beside the planned one that leads back to the predefined trajectory, m/s, shape (n, 3)."""
-    out = np.zeros((len(seen["progress"]), 3))
+    out = np.zeros((len(seen["time_s"]), 3))
     for axis, name in enumerate(("along", "right", "up")):
         if f"track_error_{name}_m" in seen:
             out[:, axis] = -gain_ps * seen[f"track_error_{name}_m"]

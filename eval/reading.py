@@ -119,9 +119,11 @@ _RECORD: Checks = {
     "families": (lambda value: isinstance(value, list), "a list of families"),
     "params": (lambda value: isinstance(value, dict), "a table of parameters"),
     "versions": (
-        lambda value: isinstance(value, dict)
-        and len(value) <= 100
-        and all(is_name(key) and is_name(text) for key, text in value.items()),
+        lambda value: (
+            isinstance(value, dict)
+            and len(value) <= 100
+            and all(is_name(key) and is_name(text) for key, text in value.items())
+        ),
         "a table of package names and versions",
     ),
     "policies": (
@@ -309,14 +311,10 @@ def _metrics(file: str, where: str, value: dict[str, Any]) -> dict[str, Estimate
     for name, item in value.items():
         fields = _checked(file, f"{where}.{name}", item, _ESTIMATE)
         if fields["unit"] != METRICS[name].unit:
-            raise RecordError(
-                f"{file}: {where}.{name}.unit = {_shown(fields['unit'])} must be {METRICS[name].unit!r}"
-            )
+            raise RecordError(f"{file}: {where}.{name}.unit = {_shown(fields['unit'])} must be {METRICS[name].unit!r}")
         estimate = Estimate(**fields)
         if estimate.low is not None and estimate.high is not None and estimate.low > estimate.high:
-            raise RecordError(
-                f"{file}: {where}.{name}.low = {estimate.low} must not be above high = {estimate.high}"
-            )
+            raise RecordError(f"{file}: {where}.{name}.low = {estimate.low} must not be above high = {estimate.high}")
         metrics[name] = estimate
     return metrics
 
@@ -324,8 +322,10 @@ def _metrics(file: str, where: str, value: dict[str, Any]) -> dict[str, Estimate
 def _params(file: str, value: dict[str, Any]) -> tuple[Params, list[str]]:
     channels = value.get("channels")
     # A channel may elsewhere be the name of a file; here that would open a file of the record's choice.
-    if not isinstance(channels, list) or not 1 <= len(channels) <= CHANNELS_MAX or not all(
-        isinstance(channel, dict) for channel in channels
+    if (
+        not isinstance(channels, list)
+        or not 1 <= len(channels) <= CHANNELS_MAX
+        or not all(isinstance(channel, dict) for channel in channels)
     ):
         raise RecordError(f"{file}: params.channels = {_shown(channels)} must be a list of 1 to {CHANNELS_MAX} tables")
     try:
@@ -343,7 +343,9 @@ def _check_policies(file: str, record: Record) -> None:
     names = [policy.name for policy in record.policies]
     for name in (NOMINAL, record.reference):
         if name not in names:
-            raise RecordError(f"{file}: policies must include {name!r}, which others are compared with; they are {names}")
+            raise RecordError(
+                f"{file}: policies must include {name!r}, which others are compared with; they are {names}"
+            )
     none = record[NOMINAL]
     for policy in record.policies:
         for column in _SHARED:
@@ -437,7 +439,9 @@ def _check_rows(file: str, table: np.ndarray, params: Params, families: int) -> 
     def refuse(column: str, wrong: np.ndarray, right: str) -> None:
         rows = np.flatnonzero(wrong)
         if len(rows):
-            raise RecordError(f"{file}: column {column!r} of row {rows[0]} is {table[column][rows[0]]}, must be {right}")
+            raise RecordError(
+                f"{file}: column {column!r} of row {rows[0]} is {table[column][rows[0]]}, must be {right}"
+            )
 
     refuse("episode", table["episode"] != np.arange(len(table), dtype=np.uint64), "the row's number")
     for column in TABLE.names or ():

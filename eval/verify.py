@@ -1,16 +1,18 @@
-"""Checks a record against itself and against the world: metrics from the tables, and a sample of episodes flown again."""
+"""Checks a record against itself and the world: metrics from its tables, and a sample of its episodes flown again."""
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
 import os
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from tqdm import tqdm
 
 from rss_gym import baselines
 from rss_gym.eval.episodes import Block, PolicyError, described
@@ -20,12 +22,14 @@ from rss_gym.eval.policies import Entry, entry
 from rss_gym.eval.reading import Policy, Record, load
 from rss_gym.eval.records import versions
 from rss_gym.eval.suites import SUITES, Suite, find
-from rss_gym.eval.workers import fly_blocks
+from rss_gym.eval.table import TABLE
+from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import ParamsError
 
 SHARE = 0.01  # of the episodes that is flown again
 EPISODES_MIN = 10
-SHOWN_MAX = 20  # differences that are printed
+LISTED_MAX = 1000  # differences of flights that are kept
+SHOWN_MAX = 20  # of them printed
 FIELDS = ("value", "low", "high", "n", "unit")
 
 
@@ -74,8 +78,6 @@ class Verdict:
     not_flown : dict
         Policy -> why it was not.
     differences : list of Difference
-    total : int
-        Their number; `differences` holds at most 20 a policy and column.
     versions : dict
         Package -> recorded and present version, where they differ.
     """
@@ -87,18 +89,12 @@ class Verdict:
     flown: dict[str, int] = field(default_factory=dict)
     not_flown: dict[str, str] = field(default_factory=dict)
     differences: list[Difference] = field(default_factory=list)
-    total: int = 0
     versions: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def verified(self) -> bool:
         """Whether nothing differs."""
-        return self.total == 0
-
-    def add(self, differences: Sequence[Difference], total: int | None = None) -> None:
-        """Note differences; `total` counts those that are not listed too."""
-        self.differences += differences
-        self.total += len(differences) if total is None else total
+        return not self.differences
 
     def to_dict(self) -> dict[str, Any]:
         """Plain JSON types."""
@@ -142,27 +138,22 @@ def verify(
         name: [text, present[name]] for name, text in record.versions.items() if present.get(name, text) != text
     }
     suite = definition(record)
-    verdict.add(list(_suite_differences(record, suite)))
+    verdict.differences += list(_suite_differences(record, suite))
     found = metrics_differences(record, suite)
     verdict.metrics = sum(len(policy.metrics) for policy in record.policies)
-    verdict.add(found)
+    verdict.differences += found
     if suite.hash != record.suite_hash:
         verdict.not_flown = {
             policy.name: "the world is not the one that was recorded, so no flight can be the same"
             for policy in record.policies
         }
         return verdict
-    entries = []
-    for policy in record.policies:
-        try:
-            entries.append(_rebuilt(policy, suite, trust))
-        except ParamsError as error:
-            verdict.not_flown[policy.name] = str(error)
-            continue
-        if entries[-1].hash != policy.hash:
-            verdict.add([Difference(policy.name, "hash", policy.hash, entries[-1].hash)])
+    entries, verdict.not_flown, claims = entries_of(record, suite, trust)
+    verdict.differences += claims
     numbers = sample(record, every, seed)
-    _fly_again(record, suite, entries, numbers, workers, progress, verdict)
+    show = sys.stderr.isatty() if progress is None else progress
+    with tqdm(total=len(numbers) * len(entries), unit="flight", disable=not show, leave=False) as bar:
+        _fly_again(record, suite, entries, numbers, workers, verdict, bar.update)
     return verdict
 
 
@@ -210,7 +201,28 @@ def metrics_differences(record: Record, suite: Suite) -> list[Difference]:
     return found
 
 
-def _rebuilt(policy: Policy, suite: Suite, trust: bool) -> Entry:
+def entries_of(
+    record: Record, suite: Suite, trust: bool = False
+) -> tuple[list[Entry], dict[str, str], list[Difference]]:
+    """The record's policies built again, why others cannot be, and claims that do not fit those that can."""
+    entries: list[Entry] = []
+    missing: dict[str, str] = {}
+    found: list[Difference] = []
+    for policy in record.policies:
+        try:
+            built = _built(policy, suite, trust)
+        except ParamsError as error:
+            missing[policy.name] = str(error)
+            continue
+        entries.append(built)
+        if built.hash != policy.hash:
+            found.append(Difference(policy.name, "hash", policy.hash, built.hash))
+        if built.world.interface.track != policy.track:
+            found.append(Difference(policy.name, "track", policy.track, built.world.interface.track))
+    return entries, missing, found
+
+
+def _built(policy: Policy, suite: Suite, trust: bool) -> Entry:
     if policy.spec.partition(":")[0] not in baselines.POLICIES and ":" in policy.spec and not trust:
         raise ParamsError(f"{policy.spec!r} is code, which runs only when trusted (--trust)")
     try:
@@ -237,7 +249,70 @@ def _fly_again(
     entries: list[Entry],
     numbers: Sequence[int],
     workers: int,
-    progress: bool | None,
     verdict: Verdict,
+    advance: Callable[[int], object],
 ) -> None:
-    ...
+    parts = [numbers[first : first + BLOCK] for first in range(0, len(numbers), BLOCK)]
+    blocks = [Block(suite.split, record.seed, part) for part in parts]
+
+    def compared(flown: list[Entry]) -> list[Difference]:
+        found: list[Difference] = []
+        with closing(fly_blocks(flown, [True] * len(flown), suite.params, blocks, workers)) as flying:
+            for tables in flying:
+                for item, table in zip(flown, tables, strict=True):
+                    found += _compared(record[item.name], table)[: LISTED_MAX - len(found)]
+                    advance(len(table))
+        return found
+
+    nominal = next(item for item in entries if item.name == NOMINAL)
+    groups = [entries]
+    while groups:
+        group = groups.pop(0)
+        try:
+            verdict.differences += compared(group)
+        except PolicyError as error:
+            if len(group) > 2:  # once more, each beside `none`, to find out who fails
+                groups = [[nominal, item] for item in group if item is not nominal]
+                continue
+            verdict.differences += [Difference(group[-1].name, "flights", "flown to their ends", str(error))]
+        else:
+            verdict.flown |= {item.name: len(numbers) for item in group}
+
+
+def _compared(policy: Policy, flown: np.ndarray) -> list[Difference]:
+    """Every column of every episode flown, bit for bit."""
+    recorded = policy.table[flown["episode"].astype(np.int64)]
+    found = []
+    for column in TABLE.names or ():
+        one, other = (np.ascontiguousarray(table[column]) for table in (recorded, flown))
+        size = one.dtype.itemsize
+        unlike = one.view((np.uint8, size)) != other.view((np.uint8, size))
+        for row in np.flatnonzero(unlike.any(axis=1)):
+            number = int(flown["episode"][row])
+            found.append(Difference(policy.name, column, one[row].item(), other[row].item(), number))
+    return sorted(found, key=lambda difference: difference.episode or 0)
+
+
+def report(verdict: Verdict) -> str:
+    """The verdict for a reader."""
+    lines = [
+        f"{verdict.folder}: suite {verdict.suite}, {verdict.episodes} encounters",
+        f"metrics: {verdict.metrics} recomputed from the tables",
+    ]
+    for count in sorted(set(verdict.flown.values())):
+        names = ", ".join(name for name, flown in verdict.flown.items() if flown == count)
+        lines.append(f"flown again: {count} encounters of each of {names}")
+    lines += [f"NOT flown again: {name}: {reason}" for name, reason in verdict.not_flown.items()]
+    lines += [f"differs: {difference}" for difference in verdict.differences[:SHOWN_MAX]]
+    if len(verdict.differences) > SHOWN_MAX:
+        lines.append(f"... and {len(verdict.differences) - SHOWN_MAX} more (--json lists them)")
+    if verdict.differences and verdict.versions:
+        changed = ", ".join(f"{name} {was} (now {now})" for name, (was, now) in verdict.versions.items())
+        lines.append(f"recorded with {changed}")
+    if verdict.verified:
+        whole = "" if not verdict.not_flown else " as far as it could be flown again"
+        lines.append(f"verified{whole}: nothing differs")
+    else:
+        count = len(verdict.differences)
+        lines.append(f"NOT verified: {count} value{'s' * (count > 1)} differ{'s' * (count == 1)}")
+    return "\n".join(lines)

@@ -132,7 +132,9 @@ def _end_with(lifeline: Connection) -> None:
 @functools.cache
 def _entries() -> list[Entry]:
     """Built at the first block, where an error travels back as itself; one in `_begin` would only break the pool."""
-    return [_loaded(recipe) if isinstance(recipe, bytes) else entry(recipe[1], _world, recipe[0]) for recipe in _recipes]
+    return [
+        _loaded(recipe) if isinstance(recipe, bytes) else entry(recipe[1], _world, recipe[0]) for recipe in _recipes
+    ]
 
 
 def _loaded(pickled: bytes) -> Entry:

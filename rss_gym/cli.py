@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -18,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from rss_gym.params import ParamsError
 
     try:
-        options.run(options)
+        status = options.run(options)
     except ParamsError as error:
         print(f"rss-gym: {error}", file=sys.stderr)
         return 2
@@ -32,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"rss-gym: {error}", file=sys.stderr)
         return 1
-    return 0
+    return int(status or 0)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -59,6 +60,20 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--json", action="store_true", help="print scores.json instead of the table")
     command.set_defaults(run=_eval)
 
+    command = commands.add_parser("verify", help="recompute a record's metrics and fly some of its episodes again")
+    command.add_argument("folder", metavar="DIR", help="folder with scores.json")
+    command.add_argument("--all", action="store_true", dest="every", help="fly all episodes again, not 1 %%")
+    command.add_argument("--seed", type=int, default=0, help="draws another sample of episodes")
+    command.add_argument("--trust", action="store_true", help="run the code of policies given as module:attribute too")
+    command.add_argument("--workers", type=int, default=1)
+    command.add_argument("--json", action="store_true", help="as JSON")
+    command.set_defaults(run=_verify)
+
+    command = commands.add_parser("leaderboard", help="one page of ranked tables from several records")
+    command.add_argument("folders", nargs="+", metavar="DIR", help="folders with scores.json")
+    command.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
+    command.set_defaults(run=_leaderboard)
+
     command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
@@ -84,6 +99,7 @@ def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import evaluate, records
 
     records.check_new(options.out)
+    _see_modules_here()
     names = ("channel", "track", "estimator", "families")
     changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
     result = evaluate(
@@ -103,6 +119,34 @@ def _eval(options: argparse.Namespace) -> None:
 
     print(table(result))
     print(f"scores: {folder / records.SCORES}")
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from rss_gym.eval import verify
+
+    if options.trust:
+        _see_modules_here()
+    verdict = verify.verify(
+        options.folder, every=options.every, trust=options.trust, seed=options.seed, workers=options.workers
+    )
+    print(json.dumps(verdict.to_dict(), indent=1) if options.json else verify.report(verdict))
+    return 0 if verdict.verified else 1
+
+
+def _leaderboard(options: argparse.Namespace) -> None:
+    from rss_gym.eval import leaderboard
+
+    site = leaderboard.build(options.folders, options.out)
+    for note in site.notes:
+        print(note)
+    print(f"leaderboard: {site.page}")
+
+
+def _see_modules_here() -> None:
+    """Let `module:attribute` name a module of the working folder; an installed command does not look there."""
+    here = os.getcwd()
+    if here not in sys.path:
+        sys.path.append(here)
 
 
 def _demo(options: argparse.Namespace) -> None:

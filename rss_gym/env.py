@@ -56,7 +56,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     | 7 | `velocity_right_mps` | m/s | 5 | -3 | 3 | own velocity, own solution |
     | 8 | `velocity_up_mps` | m/s | 5 | -3 | 3 | own velocity, own solution |
     | 9 | `cruise_mps` | m/s | 5 | 0 | 3 | speed of the predefined trajectory |
-    | 10 | `progress` | 1 | 1 | 0 | 1 | time flown over length of the flight |
+    | 10 | `time_s` | s | 60 | 0 | 3 | time flown |
     | 11 | `turn_in_s` | s | 20 | 0 | 3 | time to the next turn of the predefined trajectory, or the limit |
     | 12 | `turn_cos` | 1 | 1 | -1 | 1 | cosine of that turn, 1 without one |
     | 13 | `turn_sin` | 1 | 1 | -1 | 1 | sine of that turn, positive to the right |

@@ -14,7 +14,7 @@ from rss_gym.physics.motion import clip
 
 LIMIT = 3.0  # scaled values are clipped to this
 OFFSET_M, FAR_M, SPEED_MPS, CLOSING_MPS, STD_M = 30.0, 120.0, 5.0, 10.0, 60.0
-NOISE_DB, FACTOR, TURN_S, AGE_S = 10.0, 4.0, 20.0, 10.0
+NOISE_DB, FACTOR, FLIGHT_S, TURN_S, AGE_S = 10.0, 4.0, 60.0, 20.0, 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,8 @@ _OWN = [
     *_vector(("way_point", "m"), "m", OFFSET_M, "commanded way point minus predefined trajectory"),
     *_vector(("velocity", "mps"), "m/s", SPEED_MPS, "own velocity, own solution"),
     Field("cruise_mps", "m/s", SPEED_MPS, 0.0, LIMIT, "speed of the predefined trajectory"),
-    Field("progress", "1", 1.0, 0.0, 1.0, "time flown over length of the flight"),
+    # Not a share of the flight's length, which would tell the time of the closest approach without the radio.
+    Field("time_s", "s", FLIGHT_S, 0.0, LIMIT, "time flown"),
     Field("turn_in_s", "s", TURN_S, 0.0, LIMIT, "time to the next turn of the predefined trajectory, or the limit"),
     Field("turn_cos", "1", 1.0, -1.0, 1.0, "cosine of that turn, 1 without one"),
     Field("turn_sin", "1", 1.0, -1.0, 1.0, "sine of that turn, positive to the right"),
@@ -170,7 +171,7 @@ def write(own, others, planar, positions, out):
     at = put_vector(out, at, v[0], v[1], v[2], along, SPEED_MPS, planar)
     v = own.planned_mps
     at = put(out, at, v[0] * along[0] + v[1] * along[1], SPEED_MPS, 0.0)
-    at = put(out, at, min(own.time_s / own.duration_s, 1.0), 1.0, 0.0)
+    at = put(out, at, own.time_s, FLIGHT_S, 0.0)
     at = put(out, at, own.turn_in_s, TURN_S, 0.0)
     at = put(out, at, clip(along[0] * turn[0] + along[1] * turn[1], -1.0, 1.0), 1.0, -1.0)
     at = put(out, at, clip(along[1] * turn[0] - along[0] * turn[1], -1.0, 1.0), 1.0, -1.0)

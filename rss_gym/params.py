@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
+import numbers
 import os
 import tomllib
 import types
@@ -18,6 +19,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Self
+
+import numpy as np
 
 PRESETS_FOLDER = Path(__file__).parent / "presets"
 
@@ -69,16 +72,18 @@ class Group:
             if not isinstance(value, str) or value not in meta["known"]:
                 raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), meta['known'])}")
         elif "low" in meta:
-            whole = isinstance(item.default, int) and not isinstance(item.default, bool)
-            if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
-                kind = "a whole number" if whole else "a number"
-                raise ParamsError(f"{item.name} must be {kind}, got {value!r}")
-            if not (math.isfinite(value) and meta["low"] <= value <= meta["high"]):
+            # `numbers` knows NumPy's scalars too, as a sweep hands them over.
+            kind: type = numbers.Integral if isinstance(item.default, int) else numbers.Real
+            if isinstance(value, (bool, np.bool_)) or not isinstance(value, kind):
+                wanted = "a whole number" if kind is numbers.Integral else "a number"
+                raise ParamsError(f"{item.name} must be {wanted}, got {value!r}")
+            if not meta["low"] <= value <= meta["high"]:  # NaN is in no range; math.isfinite fails on huge integers
                 raise ParamsError(f"{item.name} must be in [{meta['low']:g}, {meta['high']:g}], got {value!r}")
-            if not whole:
-                object.__setattr__(self, item.name, float(value))
-        elif isinstance(item.default, bool) and not isinstance(value, bool):
-            raise ParamsError(f"{item.name} must be true or false, got {value!r}")
+            object.__setattr__(self, item.name, int(value) if kind is numbers.Integral else float(value))
+        elif isinstance(item.default, bool):
+            if not isinstance(value, (bool, np.bool_)):
+                raise ParamsError(f"{item.name} must be true or false, got {value!r}")
+            object.__setattr__(self, item.name, bool(value))
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as plain JSON types."""
@@ -314,18 +319,22 @@ def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -
         raise ParamsError(f"channel must be a preset's name, a TOML file, a dict or a list of these, got {source!r}")
     text, shipped = os.fspath(source), presets()
     path = shipped.get(text) or Path(text)
-    if text not in shipped and not path.is_file():
+    if text not in shipped and not os.path.isfile(path):  # Path.is_file raises for a name that is too long
         if path.suffix == ".toml" or len(path.parts) > 1:
             raise ParamsError(f"channel file {text!r} does not exist")
         raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, shipped)}")
     try:
-        if path.stat().st_size > 65536:
-            raise ParamsError(f"channel file {text!r} is larger than 64 KiB; a channel is a short TOML table")
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        is_short = path.stat().st_size <= 65536
+        table = tomllib.loads(path.read_text(encoding="utf-8")) if is_short else {}
+    except (OSError, ValueError, RecursionError) as error:  # tomllib: its own, endless numbers, deep nesting
         raise ParamsError(f"channel file {text!r} is not readable TOML: {error}") from error
     try:
-        return load_channel(table.get("channel", {"missing [channel] table": None}))
+        if not is_short:
+            raise ParamsError("larger than 64 KiB; a channel is a short TOML table")
+        _refuse_unknown("the file", table, ["channel"])
+        if not isinstance(table.get("channel"), Mapping):
+            raise ParamsError("there is no table [channel]")
+        return load_channel(table["channel"])
     except ParamsError as error:
         raise ParamsError(f"channel file {text!r}: {error}") from error
 
@@ -389,7 +398,7 @@ class Params(Group):
             group = _OWNER[name]
             changes[group] = changes.get(group, getattr(base, group)).replace(**{name: value})
         # Fewer than three nodes leave nobody an `rss` solution: the range track implies dead reckoning unless told.
-        if keywords.get("track") == "range":
+        if keywords.get("track") == "range" and base.interface.track != "range":
             navigation = changes.get("navigation", base.navigation)
             sides = {side: "dead-reckoning" for side in ("agent", "intruder") if side not in keywords}
             changes["navigation"] = navigation.replace(**sides)

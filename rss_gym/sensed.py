@@ -7,7 +7,6 @@ f8, b1 = np.float64, np.bool_
 OWN = np.dtype(
     [
         ("time_s", f8),
-        ("duration_s", f8),
         ("position_m", f8, 3),  # own navigation solution
         ("velocity_mps", f8, 3),
         ("planned_m", f8, 3),  # predefined trajectory now

@@ -17,7 +17,7 @@ def sense_row(world, i, own, others):
     """Fill `own` (one record) and `others` (K records) with what the agent of row i knows."""
     config, e = world.config[0], world.episode[i]
     agent = world.aircraft[i, 0]
-    own.time_s, own.duration_s = e.tick * config.tick_s, e.ticks * config.tick_s
+    own.time_s = e.tick * config.tick_s
     assign(own.position_m, agent.solution_m)
     assign(own.velocity_mps, agent.solution_mps)
     assign(own.planned_m, agent.planned_m)

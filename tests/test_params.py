@@ -241,7 +241,7 @@ def test_channel_file(tmp_path):
     for text, sentence in (
         ("[channel]\npath_loss_facto = 3.0\n", "did you mean 'path_loss_factor'"),
         ("[channel]\npath_loss_factor = 30.0\n", "path_loss_factor"),
-        ("path_loss_factor = 3.0\n", "missing"),
+        ("path_loss_factor = 3.0\n", "the file has no parameter .path_loss_factor.; known: channel"),
         ("[channel\n", "not readable TOML"),
     ):
         file.write_text(text, encoding="utf-8")

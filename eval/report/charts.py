@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.report import labels, series
+from rss_gym.eval.report.curves import Curve
 from rss_gym.eval.report.labels import Box, Label, Placed
 from rss_gym.eval.report.numbers import full
 from rss_gym.eval.report.page import text
@@ -35,7 +36,7 @@ class Size:
     bottom: float = 44.0
 
 
-SIZES = (Size("wide", 1000, 500, 12.5, 44, 10), Size("medium", 620, 440, 12.5, 34, 7), Size("narrow", 340, 400, 11.5, 24, 5))
+SIZES = (Size("wide", 1060, 520, 12.5, 44, 10), Size("medium", 620, 440, 12.5, 34, 7), Size("narrow", 340, 400, 11.5, 24, 5))
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def _figure(points: dict[int, Point], missing: list[str], found: Series, size: S
     at = {index: (x(_value(p.across)), y(height(p.up))) for index, p in points.items()}
     paths = [[at[index] for index, _ in curve.members if index in at] for curve in found.curves]
     curve_labels = [
-        Label(labels.shortened(curve.label, size.label_length), (*path, *_middles(path)), size.type_px + 0.5)
+        Label(_curve_text(curve, size), (*path, *_middles(path)), size.type_px + 0.5)
         for curve, path in zip(found.curves, paths, strict=True)
         if path
     ]
@@ -125,6 +126,10 @@ def _figure(points: dict[int, Point], missing: list[str], found: Series, size: S
     notes = _note("Points without room for a label", bare) + _note("Not on the chart, without both figures", missing)
     svg = picture(content, size.width, size.height, "chart", "Collisions per encounter against mean deviation")
     return f'<div class="figure {size.class_}">{svg}{notes}</div>\n'
+
+
+def _curve_text(curve: Curve, size: Size) -> str:
+    return labels.shortened(curve.label if len(curve.label) <= size.label_length else curve.short, size.label_length)
 
 
 def _note(words_: str, names: list[str]) -> str:

@@ -19,6 +19,8 @@ class Curve:
     ----------
     label : str
         Rule, the option that varies, and the others where the rule has several curves.
+    short : str
+        Rule and option.
     option : str
         What varies.
     members : tuple of (int, float)
@@ -26,6 +28,7 @@ class Curve:
     """
 
     label: str
+    short: str
     option: str
     members: tuple[tuple[int, float], ...]
 
@@ -71,5 +74,5 @@ def _of_rule(name: str, members: dict[int, dict[str, float]]) -> list[Curve]:
     for key, group in groups:
         fixed = [f"{other} = {members[group[0]][other]:g}" for other in varying if other != key]
         label = ", ".join([f"{name} over {key}", *(fixed if len(groups) > 1 else [])])
-        curves.append(Curve(label, key, tuple((index, members[index][key]) for index in group)))
+        curves.append(Curve(label, f"{name}, {key}", key, tuple((index, members[index][key]) for index in group)))
     return curves

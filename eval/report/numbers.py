@@ -18,6 +18,8 @@ def number(value: float | None, digits: int = 3) -> str:
     sign, size = (MINUS if value < 0 else ""), abs(value)
     if size == 0.0 or math.isinf(size):
         return "0" if size == 0.0 else f"{sign}∞"
+    while size < 1.0 and digits < 6 and float(f"{size:.{digits}g}") == 1.0:
+        digits += 1  # almost certain is not certain
     mantissa, _, exponent = f"{size:.{digits - 1}e}".partition("e")
     power = int(exponent)
     if power < -3 or power > 6:

@@ -173,8 +173,7 @@
     for (const other of flight.intruders) {
       const there = px(at(other.position, when)), open = other.warning[when.k] === 1;
       const colour = open ? ink.red : ink.orange, zone = other.zone[when.k] / 10 * scale;
-      circle(pen, there, zone, { fill: colour, alpha: open ? 0.06 : 0.04 });
-      circle(pen, there, zone, { line: colour, width: 1.2, dash: open ? [] : [5, 4] });
+      circle(pen, there, zone, { line: colour, width: open ? 1.6 : 1.2, dash: open ? [] : [5, 4] });
       if (other.range[when.k] !== null) {
         const range = other.range[when.k] / 10 * scale, std = (other.std[when.k] || 0) / 10 * scale;
         circle(pen, spot, range + std, { fill: ink.ring, alpha: 0.16, inner: Math.max(0, range - std) });
@@ -258,7 +257,7 @@
 
   function drawGraph(ink) {
     const { pen, width, height } = prepared(graph, ink.panel);
-    const [left, right, top, bottom] = [44, width - 12, 10, height - 22];
+    const [left, right, top, bottom] = [48, width - 68, 10, height - 22];
     const [low, high] = [0.3, Math.max(2 * data.zone_m, 10)];
     const x = (t) => left + (t / now.end) * (right - left);
     const y = (metres) => bottom - Math.log(Math.max(metres, low) / low) / Math.log(high / low) * (bottom - top);
@@ -276,7 +275,7 @@
       stroke(pen, [[left, y(metres)], [right, y(metres)]], colour, 1, [5, 4], 0.9);
       pen.textAlign = "left";
       pen.fillStyle = colour;
-      pen.fillText(name, left + 6, y(metres) - 4);
+      pen.fillText(name, right + 8, y(metres) + 4);
     }
     now.flights.forEach((flight, index) => {
       const points = flight.times.map((t, k) => [x(t), y(separation(flight, { k, next: k, share: 0 }))]);

@@ -157,7 +157,7 @@ def again(result: Result, index: int, row: int) -> dict[str, Any]:
 
 
 MARKUP = """<p class="text">Each policy's encounters with the least separation, flown again beside {beside}.
-North is up. Space plays, the arrow keys step by one decision.{left_out}</p>
+North is up. Space plays, the arrow keys step by one decision.</p>
 <noscript><p class="note">The replays need JavaScript; everything else on this page does not.</p></noscript>
 <div class="player" id="player" role="group" aria-label="Replay" tabindex="0" hidden>
 <div class="choice">
@@ -178,7 +178,7 @@ North is up. Space plays, the arrow keys step by one decision.{left_out}</p>
 <canvas class="graph" data-part="graph" role="img" aria-label="Separation over time, of both flights"></canvas>
 <ul class="legend">{legend}</ul>
 </div>
-"""
+{notes}"""
 _SIGNS = {
     "agent": '<path class="agent" d="M2 3 16 8 2 13 5.5 8Z"/>',
     "intruder": '<path class="other" d="M2 3 16 8 2 13 5.5 8Z"/>',
@@ -197,9 +197,12 @@ def markup(result: Result, data: dict[str, Any]) -> str:
     words = f"<code>{text(beside)}</code>"
     if beside != NOMINAL:
         words += f" (and that one beside <code>{NOMINAL}</code>)"
-    left_out = f" Without replays, to keep the page small: {text(', '.join(data['left_out']))}." if data["left_out"] else ""
-    left_out += "".join(f" Not flown again: {text(sentence)}." for sentence in data["failed"])
+    notes = [f"Not flown again: {sentence}." for sentence in data["failed"]]
+    if data["left_out"]:
+        notes.insert(0, f"Without replays, to keep the page small: {', '.join(data['left_out'])}.")
     legend = "".join(
         f'<li><svg width="18" height="16" aria-hidden="true">{sign}</svg>{name}</li>' for name, sign in _SIGNS.items()
     )
-    return MARKUP.format(beside=words, left_out=left_out, legend=legend)
+    return MARKUP.format(
+        beside=words, legend=legend, notes="".join(f'<p class="note">{text(note)}</p>\n' for note in notes)
+    )
