@@ -265,6 +265,21 @@ class Zone(Group):
     snmac_horizontal_m: float = number(15.24, 0.1, 1000.0)
     snmac_vertical_m: float = number(4.57, 0.1, 1000.0)
 
+    def __post_init__(self) -> None:
+        """Check that the events are nested: a collision is an sNMAC, and that is a violation of the zone."""
+        Group.__post_init__(self)
+        horizontal_m, vertical_m = self.snmac_horizontal_m, self.snmac_vertical_m
+        if self.collision_m > min(horizontal_m, vertical_m):
+            raise ParamsError(
+                f"collision_m = {self.collision_m:g} must not exceed snmac_vertical_m = {vertical_m:g} or "
+                f"snmac_horizontal_m = {horizontal_m:g}, so that every collision is an sNMAC"
+            )
+        if math.hypot(horizontal_m, vertical_m) > self.radius_m:
+            raise ParamsError(
+                f"the zone radius (40) is {self.radius_m:g} m and must hold the sNMAC limits, {horizontal_m:g} m "
+                f"horizontally and {vertical_m:g} m vertically"
+            )
+
     @property
     def trials(self) -> int:
         """n_d of (37), rounded towards infinity."""

@@ -69,6 +69,7 @@ def reset_row(world, i, split, seed, number):
     for k in range(e.intruders):
         e.min_separation_m = min(e.min_separation_m, sqrt(separation_squared(aircraft[0], aircraft[1 + k])))
         clear_contact(config, contacts[k])
+    e.zone = e.min_separation_m < config.radius_m
     channel = world.channels[e.channel]
     for link in range(len(links)):
         g = link if link < config.intruders else MAX_INTRUDERS + link - config.intruders
@@ -350,7 +351,7 @@ def listen(world, i, index, distance_squared_m2, psi_m, process_noise_m2):
         g = index if index < config.intruders else MAX_INTRUDERS + index - config.intruders
         heard &= uniform(e.key, STREAM_LOSS + g, e.tick) >= channel.packet_loss
     if e.tick == 0:
-        start_filter(config, channel, link, rss, index >= config.intruders)
+        start_filter(config, channel, link, rss, heard, index >= config.intruders)
         return
     before_m = link.range_m
     offset, r, floor_m = channel.offset_dbm, channel.white_variance_db2, config.range_floor_m
@@ -377,13 +378,14 @@ def listen(world, i, index, distance_squared_m2, psi_m, process_noise_m2):
 
 
 @kernel(forceinline=True)
-def start_filter(config, channel, link, rss_dbm, to_node):
+def start_filter(config, channel, link, rss_dbm, heard, to_node):
     """The estimator after the first sample: the prior of the range, updated where the measurement is linear."""
     prior_m, prior_std_m = config.prior_range_m, config.prior_std_m
     if to_node:
         prior_m, prior_std_m = config.node_prior_range_m, config.node_prior_std_m
     s = channel.coloured_variance_db2 if config.estimator == COLOURED else 0.0
-    r = channel.white_variance_db2 + channel.coloured_variance_db2 - s
+    # A sample that was not received has no weight: the prior stays.
+    r = channel.white_variance_db2 + channel.coloured_variance_db2 - s if heard else np.inf
     link.range_m, link.coloured_hat_db, link.p_dd, link.p_dp, link.p_pp = coloured_start(
         prior_m, prior_std_m, s, rss_dbm, channel.offset_dbm, channel.path_loss_factor, r
     )
@@ -599,7 +601,7 @@ def deviation(craft):
 def reward(config, e, velocity_change_mps, nearest_m):
     """-(q |u - u^d| + kappa |dv|) of (42), a soft proximity cost, and a collision cost that a crash never escapes.
 
-    A collision also pays q S for every decision that the flight had left, more than any deviation could have cost.
+    A collision also pays q S for every decision that the flight had left, as if it had gone on at a deviation of S.
     """
     closeness = max(0.0, 1.0 - nearest_m / config.comfort_m)
     e.cost = 1.0 if e.collision else closeness * closeness

@@ -160,6 +160,10 @@
       return points;
     };
     const last = flight.times.length - 1;
+    // What lay ahead of a flight that ended early is known from the longer one.
+    const longer = now.flights.reduce((a, b) => (b.times.length > a.times.length ? b : a));
+    const entire = flight.collision ? longer : flight;
+    const end = entire.times.length - 1;
 
     const cell = niceStep(Math.max(width, height) / scale / 7);
     for (const axis of [0, 1]) {
@@ -180,12 +184,12 @@
         circle(pen, spot, range, { line: ink.ring, width: 1.5 });
       }
     }
-    stroke(pen, path(flight.own.planned, 0, last), ink.blue, 1.2, [4, 4], 0.7);
-    for (const other of flight.intruders) {
+    stroke(pen, path(entire.own.planned, 0, end), ink.blue, 1.2, [4, 4], 0.7);
+    flight.intruders.forEach((other, index) => {
       const colour = other.warning[when.k] === 1 ? ink.red : ink.orange;
-      stroke(pen, path(other.position, 0, last), colour, 1.1, [4, 4], 0.6);
+      stroke(pen, path(entire.intruders[index].position, when.k, end), colour, 1.1, [4, 4], 0.6);
       stroke(pen, [...path(other.position, 0, when.k), px(at(other.position, when))], colour, 2);
-    }
+    });
     stroke(pen, [...path(flight.own.position, 0, when.k), spot], ink.blue, 2);
     for (const other of flight.intruders) {
       const colour = other.warning[when.k] === 1 ? ink.red : ink.orange;

@@ -229,7 +229,6 @@ def test_filters_of_the_nodes_ranges_are_filterpys(sides):
             assert_equal(key, part, ToNode(params, 0, a, j))
 
 
-@pytest.mark.xfail(reason="world.listen starts the filter from a first sample that was not received")
 def test_a_first_sample_that_is_not_received_leaves_the_prior():
     batch = Batch(Params.of(channel={"sensitivity_dbm": 0.0}), 4)
     batch.seed(np.arange(4, dtype=np.uint64))
