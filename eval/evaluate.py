@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from contextlib import closing
 from dataclasses import dataclass
@@ -76,7 +77,7 @@ def evaluate(
     progress : bool, optional
         Show a progress bar; default: when the error stream is a terminal.
     block : int
-        Episodes flown side by side.
+        Episodes flown side by side, at most.
     **changes
         Any parameter of the world, such as `channel` or `estimator`; such a run is not official.
 
@@ -99,8 +100,10 @@ def evaluate(
     reference = reference or entries[1 if len(entries) > 1 else 0].name
     if reference not in [item.name for item in entries]:
         raise ParamsError(f"reference {reference!r} is not among the policies flown")
-    starts = range(0, count, block)
-    blocks = [Block(flown.split, first_seed, range(first, min(first + block, count))) for first in starts]
+    # As many blocks for each worker, all of nearly one size.
+    size = math.ceil(count / (workers * math.ceil(count / (workers * block))))
+    starts = range(0, count, size)
+    blocks = [Block(flown.split, first_seed, range(first, min(first + size, count))) for first in starts]
     tables = [np.zeros(count, TABLE) for _ in entries]
     named = [isinstance(item, str) for _, item in given]
     show = sys.stderr.isatty() if progress is None else progress

@@ -307,20 +307,18 @@ def _table(rows: Sequence[Row], sources: Sequence[Source]) -> str:
         row = by_key[place.name]
         ranked, faults = place.group is not None, row.metrics["faults"].value
         group = f'<td data-value="{place.group}">{place.group}</td>' if ranked else "<td>–</td>"
-        link = f'<a href="{text(sources[row.record - 1].copy)}/{SCORES}">{row.record}</a>'
+        link = f'<a href="{text(sources[row.record - 1].copy)}/{SCORES}">record {row.record}</a>'
         lines += (
             f'<tr><td data-value="{place.place}">{place.place if ranked else "–"}</td>'
-            f'<th scope="row" data-value="{alphabet[row.key]}">{text(row.name)}'
-            + ("" if ranked else f'<span class="unit">not ranked: {faults:g} faults</span>')
-            + f"</th>{group}"
+            f'<th scope="row" class="words" data-value="{alphabet[row.key]}">{text(row.name)}<span class="unit">{link}'
+            + ("" if ranked else f"; not ranked: {faults:g} faults")
+            + f"</span></th>{group}"
             + "".join(cell(row.metrics.get(name)) for name in names)
-            + f'<td data-value="{row.record}">{link}</td></tr>\n'
+            + "</tr>\n"
         )
     headings = (
         '<th scope="col">place</th><th scope="col" class="words">policy</th><th scope="col">group</th>'
-        + "".join(heading(name) for name in names)
-        + '<th scope="col">record</th>'
-    )
+    ) + "".join(heading(name) for name in names)
     return scrolled(
         f'<table class="sortable policies"><thead><tr>{headings}</tr></thead>\n<tbody>\n{lines}</tbody></table>'
     )

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import Estimate
+from rss_gym.eval.metrics.path_deviation import COLLIDED_M
 from rss_gym.eval.report import labels, series
 from rss_gym.eval.report.curves import Curve
 from rss_gym.eval.report.labels import Box, Label, Placed
@@ -36,7 +38,11 @@ class Size:
     bottom: float = 44.0
 
 
-SIZES = (Size("wide", 1060, 520, 12.5, 44, 10), Size("medium", 620, 440, 12.5, 34, 7), Size("narrow", 340, 400, 11.5, 24, 5))
+SIZES = (
+    Size("wide", 1060, 520, 12.5, 44, 10),
+    Size("medium", 620, 440, 12.5, 34, 7),
+    Size("narrow", 340, 400, 11.5, 24, 5),
+)
 
 
 @dataclass(frozen=True)
@@ -120,9 +126,7 @@ def _figure(points: dict[int, Point], missing: list[str], found: Series, size: S
     content += "".join(
         _label(label, spot, class_) for label, spot, class_ in zip(wanted, placed, classes, strict=True) if spot
     )
-    bare = [
-        p.name for p, spot in zip(points.values(), placed[len(curve_labels) :], strict=True) if spot is None
-    ]
+    bare = [p.name for p, spot in zip(points.values(), placed[len(curve_labels) :], strict=True) if spot is None]
     notes = _note("Points without room for a label", bare) + _note("Not on the chart, without both figures", missing)
     svg = picture(content, size.width, size.height, "chart", "Collisions per encounter against mean deviation")
     return f'<div class="figure {size.class_}">{svg}{notes}</div>\n'
@@ -142,11 +146,15 @@ def _value(estimate: Estimate) -> float:
 
 
 def _middles(path: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    return [((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0) for a, b in zip(path, path[1:], strict=False)]
+    return [((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0) for a, b in pairwise(path)]
 
 
 def _obstacles(
-    points: dict[int, Point], at: dict[int, tuple[float, float]], paths: list[list[tuple[float, float]]], x: Linear, y: Decades
+    points: dict[int, Point],
+    at: dict[int, tuple[float, float]],
+    paths: list[list[tuple[float, float]]],
+    x: Linear,
+    y: Decades,
 ) -> tuple[list[Box], list[Box]]:
     """Boxes of the marks, and small ones along curves and whiskers."""
     reach = RADIUS_PX + 2.0
@@ -216,5 +224,6 @@ def _label(label: Label, spot: Placed, class_: str) -> str:
 CAPTION = (
     '<p class="note">Down is safer, left is nearer to the predefined path; the scale of collisions is logarithmic. '
     "Lines through the points are 95 % intervals. A bar with an arrow: no collision was seen, and the rate lies below "
-    "the bar, the upper end of its interval. From a collision on, the deviation counts as 120 m.</p>\n"
+    "the bar, the upper end of its interval. From a collision on, the deviation counts as "
+    f"{COLLIDED_M:g} m.</p>\n"
 )

@@ -15,8 +15,9 @@ def lead(result: Result) -> str:
     suite = result.suite
     kind = "official run" if result.official else "not an official run"
     policies = f"{len(result.policies)} policies" if len(result.policies) > 1 else "1 policy"
+    encounters = f"the same {result.episodes:,} encounters" if result.episodes > 1 else "1 encounter"
     return (
-        f'<p class="lead">{text(policies)} on the same {result.episodes:,} encounters of suite '
+        f'<p class="lead">{policies} on {encounters} of suite '
         f"<strong>{text(suite.name)}</strong> ({text(suite.summary)}).</p>\n"
         f'<p class="tags"><span>{kind}</span><span>split {text(suite.split)}</span><span>seed {result.seed}</span>'
         f"<span>suite hash {text(suite.hash[:12])}</span></p>"
@@ -26,7 +27,11 @@ def lead(result: Result) -> str:
 def run(result: Result) -> str:
     """Suite, seed and versions; how to build each policy; all parameters of the world."""
     suite = result.suite
-    official = "yes" if result.official else f"no; such a run has {suite.episodes:,} encounters of seed {suite.seed} and the suite unchanged"
+    official = (
+        "yes"
+        if result.official
+        else f"no; such a run has {suite.episodes:,} encounters of seed {suite.seed} and the suite unchanged"
+    )
     rows = {
         "suite": suite.name,
         "suite hash": suite.hash,
@@ -40,18 +45,27 @@ def run(result: Result) -> str:
         "versions": ", ".join(f"{name} {version}" for name, version in records.versions().items()),
     }
     facts = "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>\n" for name, value in rows.items())
-    policies = "".join(
-        f'<tr><th scope="row">{text(entry.name)}</th><td class="words"><code>{text(entry.spec)}</code></td>'
-        f'<td class="words">{text(entry.world.interface.track)}</td><td class="words"><code>{text(entry.hash[:16])}</code></td></tr>\n'
-        for entry in (scored.entry for scored in result.policies)
-    )
     parameters = json.dumps(suite.params.to_dict(), indent=1)
     return (
-        f'<dl class="facts">\n{facts}</dl>\n<h3>Policies</h3>\n'
-        + scrolled(
-            '<table class="policies"><thead><tr><th scope="col">name</th><th scope="col" class="words">made by</th>'
-            '<th scope="col" class="words">track</th><th scope="col" class="words">hash</th></tr></thead>\n'
-            f"<tbody>\n{policies}</tbody></table>"
-        )
-        + f"<details><summary>Parameters of the world</summary><pre>{text(parameters)}</pre></details>"
+        f'<dl class="facts">\n{facts}</dl>\n<h3>Policies</h3>\n{_policies(result)}'
+        f"<details><summary>Parameters of the world</summary><pre>{text(parameters)}</pre></details>"
     )
+
+
+def _policies(result: Result) -> str:
+    """How each policy was made, where its name does not say so, and what it was flown with."""
+    entries = [scored.entry for scored in result.policies]
+    columns = {
+        "made by": [entry.spec for entry in entries],
+        "track": [entry.world.interface.track for entry in entries],
+        "actions": [entry.world.interface.action for entry in entries],
+        "hash": [entry.hash[:16] for entry in entries],
+    }
+    if columns["made by"] == [entry.name for entry in entries]:
+        del columns["made by"]
+    headings = '<th scope="col">policy</th>' + "".join(f'<th scope="col" class="words">{key}</th>' for key in columns)
+    rows = ""
+    for entry, *values in zip(entries, *columns.values(), strict=True):
+        cells = "".join(f'<td class="words">{text(value)}</td>' for value in values)
+        rows += f'<tr><th scope="row">{text(entry.name)}</th>{cells}</tr>\n'
+    return scrolled(f"<table><thead><tr>{headings}</tr></thead>\n<tbody>\n{rows}</tbody></table>")

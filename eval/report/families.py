@@ -22,7 +22,7 @@ def rates(result: Result) -> list[list[Interval]]:
     for scored in result.policies:
         family, collision = scored.table["family"], scored.table["collision"]
         members = [family == index for index in range(len(result.suite.families))]
-        out.append([clopper_pearson(np.count_nonzero(collision[m]), np.count_nonzero(m)) for m in members])
+        out.append([clopper_pearson(int(np.count_nonzero(collision[m])), int(np.count_nonzero(m))) for m in members])
     return out
 
 
@@ -45,8 +45,8 @@ def breakdown(result: Result) -> str:
     return scrolled(
         f'<table class="heat sortable"><thead><tr>{headings}</tr></thead>\n<tbody>\n{rows}</tbody></table>'
     ) + (
-        '<p class="note">Collisions per encounter of the family, with exact 95 % intervals; the darker, the higher '
-        "the rate on a logarithmic scale.</p>"
+        '<p class="note">Collisions per encounter of the family, with exact 95 % intervals; the stronger the '
+        "colour, the higher the rate, on a logarithmic scale.</p>"
     )
 
 

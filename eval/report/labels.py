@@ -6,6 +6,7 @@ import math
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -62,13 +63,13 @@ def shortened(text: str, length: int) -> str:
     if len(text) <= length:
         return text
     head = (length - 1) * 2 // 3
-    return f"{text[:head]}…{text[len(text) - (length - 1 - head):]}"
+    return f"{text[:head]}…{text[len(text) - (length - 1 - head) :]}"
 
 
 def along(points: Sequence[tuple[float, float]], step_px: float = 4.0) -> list[Box]:
     """Small boxes along a line, for labels to keep off."""
     boxes = []
-    for (x0, y0), (x1, y1) in zip(points, points[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(points):
         count = max(1, math.ceil(math.hypot(x1 - x0, y1 - y0) / step_px))
         for k in range(count + 1):
             x, y = x0 + (x1 - x0) * k / count, y0 + (y1 - y0) * k / count
@@ -76,9 +77,7 @@ def along(points: Sequence[tuple[float, float]], step_px: float = 4.0) -> list[B
     return boxes
 
 
-def place(
-    labels: Sequence[Label], marks: Sequence[Box], lines: Sequence[Box], bounds: Box
-) -> list[Placed | None]:
+def place(labels: Sequence[Label], marks: Sequence[Box], lines: Sequence[Box], bounds: Box) -> list[Placed | None]:
     """A place for each label, in a few rounds of moving one at a time; None for one that finds no free place."""
     choices = [_choices(label, bounds) for label in labels]
     fixed = [

@@ -34,7 +34,7 @@ def power_of_ten(power: int) -> str:
 
 def interval(estimate: Estimate, digits: int = 3) -> str:
     """`[low, high]`, or nothing where the estimate has no interval."""
-    if estimate.low is None or estimate.high is None:
+    if estimate.low is None and estimate.high is None:
         return ""
     return f"[{number(estimate.low, digits)}, {number(estimate.high, digits)}]"
 

@@ -89,16 +89,14 @@ def _markup(section: Section) -> str:
     data = ""
     if section.data is not None:
         data = f'<script type="application/json" id="data-{section.anchor}">{embedded(section.data)}</script>\n'
-    return (
-        f'<section id="{section.anchor}">\n<h2>{text(section.title)}</h2>\n{section.markup}\n{data}</section>\n'
-    )
+    return f'<section id="{section.anchor}">\n<h2>{text(section.title)}</h2>\n{section.markup}\n{data}</section>\n'
 
 
 def save(markup: str, path: Path) -> Path:
     """Write the page under a temporary name and rename it, so that no half-written page is ever seen."""
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+        with os.fdopen(handle, "w", encoding="utf-8", errors="replace", newline="\n") as file:
             file.write(markup)
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)

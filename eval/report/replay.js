@@ -173,17 +173,19 @@
         stroke(pen, axis ? [[0, spot], [width, spot]] : [[spot, 0], [spot, height]], ink.line, 1);
       }
     }
-    const spot = px(own);
+    const spot = px(own), nearest = nearestRange(flight, when.k);
     for (const other of flight.intruders) {
+      pen.globalAlpha = other === nearest ? 1 : 0.3; // rings of several intruders would hide each other
       const there = px(at(other.position, when)), open = other.warning[when.k] === 1;
       const colour = open ? ink.red : ink.orange, zone = other.zone[when.k] / 10 * scale;
       circle(pen, there, zone, { line: colour, width: open ? 1.6 : 1.2, dash: open ? [] : [5, 4] });
       if (other.range[when.k] !== null) {
         const range = other.range[when.k] / 10 * scale, std = (other.std[when.k] || 0) / 10 * scale;
-        circle(pen, spot, range + std, { fill: ink.ring, alpha: 0.16, inner: Math.max(0, range - std) });
         circle(pen, spot, range, { line: ink.ring, width: 1.5 });
+        if (other === nearest) circle(pen, spot, range + std, { fill: ink.ring, alpha: 0.16, inner: Math.max(0, range - std) });
       }
     }
+    pen.globalAlpha = 1;
     stroke(pen, path(entire.own.planned, 0, end), ink.blue, 1.2, [4, 4], 0.7);
     flight.intruders.forEach((other, index) => {
       const colour = other.warning[when.k] === 1 ? ink.red : ink.orange;
@@ -228,6 +230,12 @@
     describe(panel, flight, when);
   }
 
+  /** The intruder with the smallest estimated range. */
+  function nearestRange(flight, k) {
+    const known = (other) => (other.range[k] === null ? Infinity : other.range[k]);
+    return flight.intruders.reduce((a, b) => (known(b) < known(a) ? b : a));
+  }
+
   function heading(column, when, px) {
     const a = sample(column, when.next > when.k ? when.k : Math.max(when.k - 1, 0)), b = sample(column, when.next);
     if (Math.hypot(b[0] - a[0], b[1] - a[1]) < 0.35 * data.decision_s) return [0, 0]; // hovers, but for gusts
@@ -237,12 +245,16 @@
 
   function describe(panel, flight, when) {
     const open = flight.intruders.some((other) => other.warning[when.k] === 1);
-    const nearest = flight.intruders.reduce((a, b) => (b.range[when.k] !== null && (a.range[when.k] === null || b.range[when.k] < a.range[when.k]) ? b : a));
+    const nearest = nearestRange(flight, when.k);
     const words = [];
     const apart = separation(flight, when), least = Math.min(apart, flight.least[when.k] / 100);
     words.push(`separation ${apart.toFixed(1)} m, least ${least.toFixed(1)} m`);
     if (nearest.range[when.k] !== null) {
       words.push(`estimate ${(nearest.range[when.k] / 10).toFixed(0)} ± ${((nearest.std[when.k] || 0) / 10).toFixed(0)} m`);
+    }
+    if (!data.planar) {
+      const up = at(nearest.position, when)[2] - at(flight.own.position, when)[2];
+      words.push(`intruder ${Math.abs(up).toFixed(1)} m ${up < 0 ? "below" : "above"}`);
     }
     if (!flight.same) words.push("not as scored");
     const spans = words.map((text) => span(text));
@@ -400,7 +412,7 @@
   });
   window.addEventListener("resize", draw);
   window.addEventListener("hashchange", follow);
-  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  for (const query of ["(prefers-color-scheme: dark)", "print"]) window.matchMedia(query).addEventListener("change", draw);
   policy.value = Math.max(0, data.policies.findIndex((item) => item.name !== data.beside && item.name !== "none"));
   if (!follow()) { listCases(); load(); }
 })();

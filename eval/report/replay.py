@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from rss_gym.core import Batch
 from rss_gym.eval.episodes import Block, PolicyError, fly
 from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.report import series
-from rss_gym.eval.report.page import text
+from rss_gym.eval.report.page import FOLDER, text
 
 POLICIES, ENCOUNTERS = 12, 3  # that fit into the page
 RULE = "orthogonal"
@@ -82,7 +83,9 @@ def reference_index(result: Result) -> int:
     """The policy that the others are shown beside: the result's reference or the first that is a rule, else `none`."""
     entries = [scored.entry for scored in result.policies]
     rules = [index for index, entry in enumerate(entries) if entry.spec.startswith(RULE)]
-    rules.sort(key=lambda index: (entries[index].spec.partition(":")[0] != RULE, entries[index].name != result.reference))
+    rules.sort(
+        key=lambda index: (entries[index].spec.partition(":")[0] != RULE, entries[index].name != result.reference)
+    )
     return rules[0] if rules else [entry.name for entry in entries].index(NOMINAL)
 
 
@@ -156,41 +159,6 @@ def again(result: Result, index: int, row: int) -> dict[str, Any]:
     return {"name": entry.name, "same": same, **flight.to_dict()}
 
 
-MARKUP = """<p class="text">Each policy's encounters with the least separation, flown again beside {beside}.
-North is up. Space plays, the arrow keys step by one decision.</p>
-<noscript><p class="note">The replays need JavaScript; everything else on this page does not.</p></noscript>
-<div class="player" id="player" role="group" aria-label="Replay" tabindex="0" hidden>
-<div class="choice">
-<label>policy <select data-part="policy"></select></label>
-<label>encounter <select data-part="case"></select></label>
-<label>view <select data-part="view"><option value="whole">whole flight</option><option value="close">close-up</option></select></label>
-</div>
-<div class="maps">
-<figure class="first"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
-<figure class="second"><figcaption></figcaption><canvas role="img"></canvas><p class="state"></p></figure>
-</div>
-<div class="controls">
-<button type="button" data-part="play" aria-label="Play">▶</button>
-<input type="range" data-part="time" min="0" value="0" step="0.1" aria-label="Time">
-<output data-part="clock"></output>
-<label>speed <select data-part="speed"><option>1</option><option>2</option><option selected>5</option><option>10</option><option>20</option></select></label>
-</div>
-<canvas class="graph" data-part="graph" role="img" aria-label="Separation over time, of both flights"></canvas>
-<ul class="legend">{legend}</ul>
-</div>
-{notes}"""
-_SIGNS = {
-    "agent": '<path class="agent" d="M2 3 16 8 2 13 5.5 8Z"/>',
-    "intruder": '<path class="other" d="M2 3 16 8 2 13 5.5 8Z"/>',
-    "predefined path": '<path class="dashed" d="M0 8H18"/>',
-    "planned position": '<circle class="agent-line" cx="9" cy="8" r="4"/>',
-    "commanded way point": '<path class="agent-line" d="M9 3 14 8 9 13 4 8Z"/>',
-    "last message": '<path class="other-line" d="M5 4 13 12M13 4 5 12"/>',
-    "estimated range ± std": '<circle class="ring" cx="9" cy="8" r="6"/>',
-    "safety zone": '<circle class="zone" cx="9" cy="8" r="6.5"/>',
-}
-
-
 def markup(result: Result, data: dict[str, Any]) -> str:
     """The player, still without flights, which a script puts in."""
     beside = result.policies[reference_index(result)].entry.name
@@ -200,9 +168,5 @@ def markup(result: Result, data: dict[str, Any]) -> str:
     notes = [f"Not flown again: {sentence}." for sentence in data["failed"]]
     if data["left_out"]:
         notes.insert(0, f"Without replays, to keep the page small: {', '.join(data['left_out'])}.")
-    legend = "".join(
-        f'<li><svg width="18" height="16" aria-hidden="true">{sign}</svg>{name}</li>' for name, sign in _SIGNS.items()
-    )
-    return MARKUP.format(
-        beside=words, legend=legend, notes="".join(f'<p class="note">{text(note)}</p>\n' for note in notes)
-    )
+    template = Template((FOLDER / "player.html").read_text(encoding="utf-8"))
+    return template.substitute(beside=words, notes="".join(f'<p class="note">{text(note)}</p>\n' for note in notes))

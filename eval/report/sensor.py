@@ -50,7 +50,9 @@ def _chart(metrics: dict[str, Estimate], size: Size) -> str:
         tip, spot, lines = element("title", text(f"{label}: {full(e)}")), x(height(e)), ""
         if e.value == 0.0:
             end = spot - ARROW_PX
-            head = element("path", class_="whisker", d=f"M{end + 6:.1f} {at - 4:.1f}L{end:.1f} {at:.1f}L{end + 6:.1f} {at + 4:.1f}")
+            head = element(
+                "path", class_="whisker", d=f"M{end + 6:.1f} {at - 4:.1f}L{end:.1f} {at:.1f}L{end + 6:.1f} {at + 4:.1f}"
+            )
             lines = line(spot, at, end, at, "whisker") + head + line(spot, at - 6.0, spot, at + 6.0, "bound")
         else:
             if e.low is not None and e.high is not None:
@@ -72,7 +74,8 @@ def _table(metrics: dict[str, Estimate], names: list[str]) -> str:
         unit = "" if metric.unit == "1" else text(metric.unit)
         rows += (
             f'<tr><th scope="row">{text(title(name, metric.unit))}</th>{cell(metrics[name])}'
-            f'<td class="words">{unit}</td><td>{metrics[name].n:,}</td><td class="words">{text(metric.summary)}</td></tr>\n'
+            f'<td class="words">{unit}</td><td>{metrics[name].n:,}</td>'
+            f'<td class="words">{text(metric.summary)}</td></tr>\n'
         )
     heads = ("figure", "value", "unit", "n", "meaning")
     classes = ("", "", ' class="words"', "", ' class="words"')

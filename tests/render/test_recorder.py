@@ -58,7 +58,7 @@ def test_a_scene_says_what_the_agent_knows():
     assert scene.zone_radius_m == pytest.approx(120.0)
     assert scene.collision_radius_m == 4.5
     assert scene.min_separation_m == batch.episode[0]["min_separation_m"]
-    assert scene.duration_s == pytest.approx(own["duration_s"])
+    assert scene.duration_s == pytest.approx(batch.episode[0]["ticks"] * batch.params.clock.tick_s)
 
 
 def test_an_estimate_is_the_message_moved_on():
