@@ -326,7 +326,7 @@
 
   function listCases() {
     choice.replaceChildren(...data.policies[policy.value].cases.map((item, index) =>
-      option(`${item.episode}, ${item.family}: ${item.least_m} m`, index)));
+      option(`${item.episode}, ${item.family}: ${item.least_m.toFixed(2)} m`, index)));
   }
 
   function load() {

@@ -127,6 +127,38 @@ def start_separation_m(one, two):
 
 
 @kernel
+def choose_law(u, families):
+    """Index of the family that one uniform `u` falls to, by the cumulative weights."""
+    index = 0
+    while u > families[index].weight:
+        index += 1
+    return index
+
+
+@kernel
+def miss(config, law, conflict, u, v):
+    """Planned horizontal and vertical miss, m, signed, from two uniforms: small for a conflict, else the family's."""
+    if conflict:
+        horizontal = signed(u, 0.0, config.conflict_offset_m)
+        vertical = signed(v, 0.0, 0.5 * config.conflict_offset_m)
+    else:
+        horizontal = signed(u, law.offset_min_m, law.offset_max_m)
+        vertical = signed(v, 0.0, config.vertical_offset_m)
+    return horizontal, 0.0 if config.planar else vertical
+
+
+@kernel
+def within_limits(config, agent, intruder, miss_squared_m2, end_s):
+    """Whether two trajectories start at the right range and are never nearer than the planned miss."""
+    start_m = start_separation_m(agent, intruder)
+    # An offset lengthens the start range by the miss distance; the limits are on the range along the approach.
+    high_m = sqrt(config.start_max_m * config.start_max_m + miss_squared_m2)
+    if start_m < config.start_min_m - 1e-6 or start_m > high_m + 1e-6:
+        return False
+    return least_planned_separation_m(agent, intruder, end_s) >= sqrt(miss_squared_m2) - 0.1
+
+
+@kernel
 def draw(key, config, families, aircraft, intruders):
     """Lay the predefined trajectories of the agent (`aircraft[0]`) and of `intruders` intruders.
 
@@ -149,10 +181,7 @@ def draw(key, config, families, aircraft, intruders):
         for attempt in range(ATTEMPTS):
             at = index + attempt * DRAWS
             if attempt % FAMILY_ATTEMPTS == 0:
-                law_index = 0
-                choose = uniform(key, STREAM_SAMPLER, at)
-                while choose > families[law_index].weight:
-                    law_index += 1
+                law_index = choose_law(uniform(key, STREAM_SAMPLER, at), families)
                 law = families[law_index]
                 conflict = uniform(key, STREAM_SAMPLER, at + 1) < law.conflict_share
             if law.scripted:
@@ -165,14 +194,9 @@ def draw(key, config, families, aircraft, intruders):
             start_m = config.start_min_m + (config.start_max_m - config.start_min_m) * uniform(
                 key, STREAM_SAMPLER, at + 4
             )
-            if conflict:
-                horizontal = signed(uniform(key, STREAM_SAMPLER, at + 5), 0.0, config.conflict_offset_m)
-                vertical = signed(uniform(key, STREAM_SAMPLER, at + 6), 0.0, 0.5 * config.conflict_offset_m)
-            else:
-                horizontal = signed(uniform(key, STREAM_SAMPLER, at + 5), law.offset_min_m, law.offset_max_m)
-                vertical = signed(uniform(key, STREAM_SAMPLER, at + 6), 0.0, config.vertical_offset_m)
-            if config.planar:
-                vertical = 0.0
+            horizontal, vertical = miss(
+                config, law, conflict, uniform(key, STREAM_SAMPLER, at + 5), uniform(key, STREAM_SAMPLER, at + 6)
+            )
             turn_s = TURN_LATEST_S + (TURN_EARLIEST_S - TURN_LATEST_S) * uniform(key, STREAM_SAMPLER, at + 7)
             turn = signed(uniform(key, STREAM_SAMPLER, at + 8), law.turn_min_rad, law.turn_max_rad)
             # The agent's state at the closest approach: drawn with the first intruder, given for the others.
@@ -208,12 +232,7 @@ def draw(key, config, families, aircraft, intruders):
                 )
             ivx, ivy = speed * dx, speed * dy
             lay_path(intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s, min(turn_s, 0.6 * approach_s), turn)
-            start = start_separation_m(agent, intruder)
-            # An offset lengthens the start range by the miss distance; the limits are on the range along the approach.
-            miss_squared = horizontal * horizontal + vertical * vertical
-            low, high = config.start_min_m, sqrt(config.start_max_m * config.start_max_m + miss_squared)
-            least = least_planned_separation_m(agent, intruder, own_end_s)
-            if start < low - 1e-6 or start > high + 1e-6 or least < sqrt(miss_squared) - 0.1:
+            if not within_limits(config, agent, intruder, horizontal * horizontal + vertical * vertical, own_end_s):
                 continue
             accepted = True
             if k == 0:
