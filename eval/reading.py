@@ -31,7 +31,7 @@ from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL
 from rss_gym.params import Params, ParamsError, Track, suggestion
 
-SCORES_BYTES_MAX = 4 * 2**20
+SCORES_BYTES_MAX = 8 * 2**20
 TABLE_BYTES_MAX = 2**30
 EPISODES_MAX = TABLE_BYTES_MAX // TABLE.itemsize
 DEPTH_MAX = 16
@@ -279,9 +279,14 @@ def _opened(file: Path, limit: int) -> BinaryIO:
         raise RecordError(f"{file} cannot be read: {error}") from error
 
 
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 80
+_SHORT.maxlevel = 2
+
+
 def _shown(value: Any) -> str:
     """A value from a file, short and printable."""
-    return reprlib.repr(value)
+    return _SHORT.repr(value)
 
 
 def _checked(file: str, where: str, value: Any, checks: Checks) -> dict[str, Any]:
@@ -302,7 +307,7 @@ def _refuse_unknown(file: str, where: str, value: dict[str, Any], known: Iterabl
     for name in value:
         if name not in known:
             path = f"{where}.{name}" if where else name
-            raise RecordError(f"{file}: {_shown(path)} is unknown{suggestion(name[:NAME_MAX], known)}")
+            raise RecordError(f"{file}: field {_shown(path)} is unknown{suggestion(name[:NAME_MAX], known)}")
 
 
 def _metrics(file: str, where: str, value: dict[str, Any]) -> dict[str, Estimate]:
@@ -420,7 +425,10 @@ def _column(archive: zipfile.ZipFile, info: zipfile.ZipInfo, kind: np.dtype, n: 
         version = np.lib.format.read_magic(stream)
         if version != (1, 0):
             raise RecordError(f"{where} has array format {version}; it must be (1, 0)")
-        shape, fortran, dtype = np.lib.format.read_array_header_1_0(stream, max_header_size=_HEADER_BYTES_MAX)
+        try:
+            shape, fortran, dtype = np.lib.format.read_array_header_1_0(stream, max_header_size=_HEADER_BYTES_MAX)
+        except Exception as error:  # it is read by Python's own tokeniser, which has errors of its own
+            raise RecordError(f"{where} has no array header: {' '.join(str(error).split())}") from error
         if shape != (n,) or dtype != kind or dtype.hasobject or fortran:
             raise RecordError(f"{where} holds {dtype} of shape {shape}; it must be {kind} of shape ({n},)")
         data = stream.read(wanted)

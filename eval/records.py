@@ -11,7 +11,7 @@ import platform
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -70,6 +70,8 @@ def check_new(out: str | os.PathLike[str]) -> Path:
     ParamsError
         As `new_folder`.
     """
+    if "\0" in os.fspath(out):
+        raise ParamsError(f"output folder {str(out)!r} cannot be written: no name holds a null")
     target = Path(out).absolute()
     try:
         if target.is_dir() and any(target.iterdir()):
@@ -83,8 +85,13 @@ def check_new(out: str | os.PathLike[str]) -> Path:
     return target
 
 
-def save(result: Result, out: str | os.PathLike[str], with_csv: bool = False) -> Path:
-    """Write `scores.json` and the tables into the new folder `out`; nothing is left behind on an error."""
+def save(
+    result: Result,
+    out: str | os.PathLike[str],
+    with_csv: bool = False,
+    page: Callable[[Result, Path], object] | None = None,
+) -> Path:
+    """Write `scores.json`, the tables and a `page` into the new folder `out`; an error leaves nothing behind."""
     with new_folder(out) as folder:
         (folder / TABLES).mkdir()
         policies = []
@@ -92,6 +99,8 @@ def save(result: Result, out: str | os.PathLike[str], with_csv: bool = False) ->
             stem = f"{index:02d}-{re.sub('[^A-Za-z0-9.=_-]+', '-', scored.entry.name)[:80]}"
             policies.append(_policy(scored, write_table(folder / TABLES, stem, scored.table, with_csv)))
         _write_json(folder / SCORES, document(result, policies))
+        if page is not None:
+            page(result, folder)
     return Path(out)
 
 
@@ -139,7 +148,7 @@ def write_table(folder: Path, stem: str, table: np.ndarray, with_csv: bool) -> d
 
 def table_digest(table: np.ndarray) -> str:
     """SHA-256 of a table's rows in memory, which is the same on every machine; a compressed file's is not."""
-    return hashlib.sha256(np.ascontiguousarray(table).view(np.uint8)).hexdigest()
+    return hashlib.sha256(np.ascontiguousarray(table).view(np.uint8).data).hexdigest()
 
 
 def _write_json(path: Path, value: Any) -> None:

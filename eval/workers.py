@@ -9,7 +9,7 @@ import os
 import pickle
 import signal
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import Connection
@@ -36,7 +36,7 @@ def fly_block(entries: Sequence[Entry], block: Block) -> list[np.ndarray]:
 
 def fly_blocks(
     entries: Sequence[Entry], named: Sequence[bool], params: Params, blocks: Sequence[Block], workers: int
-) -> Iterator[list[np.ndarray]]:
+) -> Generator[list[np.ndarray]]:
     """The tables of each block, in order; close the iterator to stop the workers.
 
     Parameters
@@ -139,7 +139,8 @@ def _entries() -> list[Entry]:
 
 def _loaded(pickled: bytes) -> Entry:
     try:
-        return pickle.loads(pickled)  # type: ignore[no-any-return]
+        loaded: Entry = pickle.loads(pickled)
+        return loaded
     except Exception as error:
         raise PolicyError(
             f"a policy given as an object cannot be loaded in a worker process ({described(error)}); "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import os
 import sys
@@ -10,7 +11,13 @@ from collections.abc import Sequence
 from typing import Any
 
 DEMO_EPISODES = 10_000
-DEMO_RADII_M = (15, 20, 30, 40, 60, 80, 120)
+DEMO_POLICIES = (
+    "none",
+    *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
+    "orthogonal-oracle:radius_m=60",
+    "constant:right_m=30",
+    "blind",
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -77,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
+    command.add_argument("--out", metavar="DIR", help="new folder; default: runs/demo, or the next free number")
     command.set_defaults(run=_demo)
     return parser
 
@@ -96,7 +104,7 @@ def _list(options: argparse.Namespace) -> None:
 
 
 def _eval(options: argparse.Namespace) -> None:
-    from rss_gym.eval import evaluate, records
+    from rss_gym.eval import evaluate, records, report, text
 
     records.check_new(options.out)
     _see_modules_here()
@@ -111,14 +119,13 @@ def _eval(options: argparse.Namespace) -> None:
         reference=options.reference,
         **changes,
     )
-    folder = records.save(result, options.out, options.csv)
+    folder = records.save(result, options.out, options.csv, report.write)
     if options.json:
         print((folder / records.SCORES).read_text(encoding="utf-8"), end="")
-        return
-    from rss_gym.eval.text import table
-
-    print(table(result))
-    print(f"scores: {folder / records.SCORES}")
+    else:
+        print(text.table(result))
+        print(f"scores: {folder / records.SCORES}")
+        print(f"report: {folder / report.REPORT}")
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -150,9 +157,22 @@ def _see_modules_here() -> None:
 
 
 def _demo(options: argparse.Namespace) -> None:
-    from rss_gym.eval import evaluate
-    from rss_gym.eval.text import table
+    from rss_gym.eval import evaluate, records, report, text
 
-    policies = ["none", *(f"orthogonal:radius_m={radius}" for radius in DEMO_RADII_M)]
-    print(f"Flying {len(policies)} policies over the same {options.episodes} encounters; the first run on a machine compiles for about half a minute.")
-    print(table(evaluate(policies, episodes=options.episodes, workers=options.workers)))
+    out = options.out or _unused("runs/demo")
+    records.check_new(out)
+    print(
+        f"Flying {len(DEMO_POLICIES)} policies over the same {options.episodes} encounters on {options.workers} "
+        "processes.",
+        flush=True,
+    )
+    result = evaluate(DEMO_POLICIES, episodes=options.episodes, workers=options.workers)
+    folder = records.save(result, out, page=report.write)
+    print(text.table(result))
+    print(f"report: {folder / report.REPORT}")
+
+
+def _unused(stem: str) -> str:
+    """`stem`, or the first of stem-2, stem-3, ... that does not exist."""
+    names = itertools.chain([stem], (f"{stem}-{number}" for number in itertools.count(2)))
+    return next(name for name in names if not os.path.exists(name))

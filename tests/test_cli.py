@@ -45,9 +45,11 @@ def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):
     assert rate["n"] == 50 and 0.0 <= rate["low"] <= rate["value"] <= rate["high"] <= 1.0
 
 
-def test_the_demo_flies_the_rule_over_its_radius(capsys):
+def test_the_demo_flies_the_rule_over_its_radius(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     status, out, _ = run(capsys, "demo", "--episodes", "20", "--workers", "1")
-    assert status == 0
+    assert status == 0 and "report: runs/demo/report.html" in out
+    assert (tmp_path / "runs" / "demo" / "report.html").stat().st_size > 10_000
     for name in ("none", "orthogonal:radius_m=15", "orthogonal:radius_m=120"):
         assert name in out
 

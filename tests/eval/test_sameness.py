@@ -57,7 +57,7 @@ def test_each_encounter_on_its_own_gives_the_same_rows(alone):
 
 @pytest.mark.parametrize("workers", [2, 3])
 def test_any_number_of_workers_gives_the_same_scores(alone, workers, tmp_path):
-    result = flown(workers=workers, block=7)
+    result = flown(workers=workers, block=16)
     assert same(result, alone)
     one, other = (save(run, tmp_path / name) for run, name in ((alone, "alone"), (result, "together")))
     assert (one / "scores.json").read_bytes() == (other / "scores.json").read_bytes()
@@ -124,7 +124,7 @@ def test_a_policy_that_gives_no_actions_ends_the_run(name, words):
 
 
 def test_a_policy_that_raises_in_a_worker_is_named():
-    with pytest.raises(PolicyError, match="flyers:Raiser.*lost the way"):
+    with pytest.raises(PolicyError, match=r"flyers:Raiser.*lost the way"):
         flown(["flyers:Raiser"], episodes=20, workers=2)
 
 
@@ -134,13 +134,15 @@ def test_a_policy_that_cannot_be_made_is_one_sentence():
 
 
 def test_an_object_that_cannot_be_sent_is_one_sentence():
-    with pytest.raises(ParamsError, match="'mine' is an object that cannot be sent.*module:attribute, or use workers=1"):
+    with pytest.raises(
+        ParamsError, match=r"'mine' is an object that cannot be sent.*module:attribute, or use workers=1"
+    ):
         flown({"mine": flyers.Locked()}, episodes=20, workers=2)
     flown({"mine": flyers.Locked()}, episodes=5)
 
 
 def test_an_object_that_cannot_be_loaded_by_a_worker_is_one_sentence():
-    with pytest.raises(PolicyError, match="cannot be loaded in a worker.*no module named 'private'"):
+    with pytest.raises(PolicyError, match=r"cannot be loaded in a worker.*no module named 'private'"):
         flown({"mine": flyers.Elsewhere()}, episodes=20, workers=2)
 
 
@@ -212,7 +214,9 @@ def left(tmp_path):
 
 
 @linux
-@pytest.mark.parametrize(("workers", "to_all"), [(1, False), (2, False), (2, True)], ids=["alone", "workers", "terminal"])
+@pytest.mark.parametrize(
+    ("workers", "to_all"), [(1, False), (2, False), (2, True)], ids=["alone", "workers", "terminal"]
+)
 def test_ctrl_c_leaves_nothing_behind(started, tmp_path, workers, to_all):
     command, flying = started("flyers:Hang", workers)
     if to_all:  # as a terminal does
@@ -221,7 +225,9 @@ def test_ctrl_c_leaves_nothing_behind(started, tmp_path, workers, to_all):
         command.send_signal(signal.SIGINT)
     out, err = command.communicate(timeout=30)
     assert command.returncode == 130 and not out
-    assert [line for line in err.splitlines() if "compiling" not in line] == ["rss-gym: interrupted; nothing was written"]
+    assert [line for line in err.splitlines() if "compiling" not in line] == [
+        "rss-gym: interrupted; nothing was written"
+    ]
     assert len(flying) == workers and not any(map(runs, flying))
     assert left(tmp_path) == []
 

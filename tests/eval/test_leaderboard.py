@@ -1,0 +1,279 @@
+"""The leaderboard: what is merged, what is refused, and what a page from strangers' records can do to its reader."""
+
+import importlib
+import json
+import re
+import shutil
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from rss_gym.cli import main
+from rss_gym.eval import evaluate
+from rss_gym.eval.leaderboard import build
+from rss_gym.eval.reading import RecordError, load
+from rss_gym.eval.records import save
+from rss_gym.eval.verify import verify
+from rss_gym.params import ParamsError
+
+sys.path.append(str(Path(__file__).parent))
+flyers = importlib.import_module("flyers")
+
+HTML = "<img src=x onerror=alert(1)>&\"'"
+
+
+def scored(policies, folder, **keywords):
+    return save(evaluate(policies, progress=False, **keywords), folder)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Official and other runs."""
+    folder = tmp_path_factory.mktemp("runs")
+    return {
+        "official": scored(["none", "orthogonal", "orthogonal-oracle"], folder / "official", suite="smoke-v0"),
+        "second": scored({"rule 80": "orthogonal:radius_m=80"}, folder / "second", suite="smoke-v0"),
+        "short": scored(["orthogonal", "brake"], folder / "short", suite="smoke-v0", episodes=40),
+        "seed 7": scored(["random"], folder / "seed 7", suite="smoke-v0", episodes=40, seed=7),
+        "other suite": scored(["brake"], folder / "other", suite="encounter-v0", episodes=30),
+        "html": scored({HTML: "brake"}, folder / "<b>&x", suite="smoke-v0", episodes=30, seed=9),
+        "faulty": scored(["flyers:NanOnce"], folder / "faulty", suite="smoke-v0"),
+    }
+
+
+class Page(HTMLParser):
+    """Tables of the page, each a list of rows of texts, under the last heading before them; and all links."""
+
+    def __init__(self, file):
+        super().__init__()
+        self.tables, self.links, self.tags, self.heading, self.words = [], [], [], "", None
+        self.feed(file.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        if tag == "a":
+            self.links.append(dict(attributes)["href"])
+        if tag in ("h2", "h3", "td", "th", "p"):
+            self.words = ""
+        if tag == "table":
+            self.tables.append((self.heading, []))
+        if tag == "tr":
+            self.tables[-1][1].append([])
+
+    def handle_data(self, data):
+        if self.words is not None:
+            self.words += data
+
+    def handle_endtag(self, tag):
+        if tag == "h2":
+            self.suite = self.words
+        if tag == "h3":
+            self.run = self.words
+        if tag == "p" and self.words.startswith("Track"):
+            self.heading = f"{self.suite} / {self.run} / {self.words.split(':')[0]}"
+        if tag == "h2" and self.words == "Records":
+            self.heading = "Records"
+        if tag in ("td", "th"):
+            self.tables[-1][1][-1].append(self.words)
+
+    def names(self):
+        """Heading -> names in order of place."""
+        return {heading: [row[1] for row in rows[1:]] for heading, rows in self.tables if heading != "Records"}
+
+
+def page(folders, out):
+    site = build(folders, out)
+    return Page(site.page), site.notes
+
+
+def test_one_table_a_track_official_runs_first(runs, tmp_path):
+    read, notes = page(runs.values(), tmp_path / "site")
+    names = {heading: [re.sub(r"record.*", "", name) for name in names] for heading, names in read.names().items()}
+    official = "Suite smoke-v0 / Official runs: 100 encounters of split suite, seed 0"
+    assert list(names) == [
+        "Suite encounter-v0 / Other runs: 30 encounters of split suite, seed 0 / Track paper",
+        f"{official} / Track oracle",
+        f"{official} / Track paper",
+        "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 0 / Track paper",
+        "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 7 / Track paper",
+    ]
+    assert names[f"{official} / Track oracle"] == ["orthogonal-oracle"]
+    assert set(names[f"{official} / Track paper"]) == {"rule 80", "orthogonal", "none", "flyers:NanOnce"}
+    assert names[f"{official} / Track paper"][-2:] == ["none", "flyers:NanOnce"]
+    assert any("orthogonal (record 3) is left out: orthogonal (record 1)" in note for note in notes)
+
+
+def test_a_policy_with_faults_is_not_ranked(runs, tmp_path):
+    read, _ = page([runs["faulty"]], tmp_path / "site")
+    (rows,) = [rows[1:] for heading, rows in read.tables if heading != "Records"]
+    assert rows[-1][0] == "–" and re.search(r"not ranked: \d+ faults", rows[-1][1]) and rows[0][0] == "1"
+
+
+def test_records_are_copied_and_linked(runs, tmp_path):
+    site = tmp_path / "site"
+    read, _ = page([runs["official"], runs["seed 7"]], site)
+    links = [link for link in read.links if not link.startswith("#")]
+    assert "records/1-official/scores.json" in links and "records/2-seed-7/tables/01-random.npz" in links
+    assert all((site / link).is_file() for link in links)
+    assert verify(site / "records" / "2-seed-7").verified
+    files = {path.name for path in (site / "records" / "1-official").rglob("*") if path.is_file()}
+    assert files == {"scores.json", "00-none.npz", "01-orthogonal.npz", "02-orthogonal-oracle.npz"}
+
+
+def test_a_strangers_page_is_not_copied(runs, tmp_path):
+    folder = shutil.copytree(runs["short"], tmp_path / "run")
+    (folder / "report.html").write_text("<script>alert(1)</script>")
+    (folder / "tables" / "evil.npz").write_text("")
+    build([folder], tmp_path / "site")
+    assert not list((tmp_path / "site").rglob("report.html")) and not list((tmp_path / "site").rglob("evil*"))
+
+
+def test_names_are_text(runs, tmp_path):
+    site = tmp_path / "site"
+    read, _ = page([runs["html"]], site)
+    assert "img" not in read.tags and "b" not in read.tags
+    assert any(HTML in name for names in read.names().values() for name in names)
+    assert [path.name for path in (site / "records").iterdir()] == ["1--b-x"]
+
+
+def test_the_page_needs_no_network(runs, tmp_path):
+    text = build([runs["html"]], tmp_path / "site").page.read_text(encoding="utf-8")
+    assert "http://" not in text and "https://" not in text and "default-src 'none'" in text
+
+
+def test_the_same_records_give_the_same_page(runs, tmp_path):
+    folders = [runs["official"], runs["short"]]
+    one, other = (build(folders, tmp_path / name).page.read_bytes() for name in ("one", "other"))
+    assert one == other
+
+
+# Merging
+
+
+def test_two_definitions_of_one_suite_are_not_merged(runs, tmp_path):
+    other = scored(["brake"], tmp_path / "other", suite="smoke-v0", episodes=20, channel="quadcopter")
+    build([other], tmp_path / "alone")
+    with pytest.raises(RecordError, match=r"suite_hash of 'smoke-v0'.*not comparable"):
+        build([runs["official"], other], tmp_path / "site")
+    assert not (tmp_path / "site").exists()
+
+
+def test_an_older_definition_is_refused(runs, tmp_path, monkeypatch):
+    from rss_gym.eval import suites
+
+    monkeypatch.setattr(suites, "WORLD_VERSION", suites.WORLD_VERSION + 1)
+    with pytest.raises(RecordError, match=r"suite_hash of 'smoke-v0'.*use the version of rss-gym that wrote"):
+        build([runs["official"]], tmp_path / "site")
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_the_official_then_the_longer_run_is_kept(runs, tmp_path, reverse):
+    folders = [runs["short"], runs["official"], scored(["brake"], tmp_path / "longer", suite="smoke-v0", episodes=60)]
+    _, notes = page(folders[::-1] if reverse else folders, tmp_path / "site")
+    lines = "\n".join(notes)
+    assert re.search(r"orthogonal \(record \d\) is left out: .* in an official run", lines)
+    assert re.search(r"brake \(record \d\) is left out: .* on 60 encounters instead of 40", lines)
+    assert lines.count("none (record") == 4  # two left out for one
+
+
+def test_the_same_record_twice(runs, tmp_path):
+    _, notes = page([runs["short"], runs["short"]], tmp_path / "site")
+    assert len(notes) == 3 and all("left out" in note for note in notes)
+    assert [path.name for path in (tmp_path / "site" / "records").iterdir()] == ["1-short"]
+
+
+def edited(folder, to, edit):
+    shutil.copytree(folder, to)
+    content = json.loads((to / "scores.json").read_text())
+    edit(content)
+    (to / "scores.json").write_text(json.dumps(content))
+    return to
+
+
+def test_code_of_one_name_and_other_flights_is_listed_twice(tmp_path):
+    """Two laboratories may both have a policy `mine:policy`."""
+
+    def scored_as(kind, name):
+        run = scored({"mine": f"flyers:{kind}"}, tmp_path / f"{name}-as-flown", suite="smoke-v0", episodes=20)
+        digest = load(run)["mine"].hash
+        edit = lambda content: content["policies"][1].update(spec="mine:policy", hash="5" * 64)  # noqa: E731
+        assert digest != "5" * 64
+        return edited(run, tmp_path / name, edit)
+
+    one, same, other = scored_as("Flyer", "one"), scored_as("Sleeper", "same"), scored_as("Crowd", "other")
+    read, notes = page([one, same, other], tmp_path / "site")
+    (names,) = read.names().values()
+    assert sorted(names) == ["minerecord 1", "minerecord 3", "nonerecord 1"]
+    assert any("mine (record 3) and mine (record 1) have one hash" in note for note in notes)
+    assert any("mine (record 2) is left out" in note for note in notes)
+
+
+def test_records_that_contradict_each_other_are_refused(runs, tmp_path):
+    """A record whose flights of the rule are those of another rule, with metrics that fit."""
+    run = scored({"none": "none", "orthogonal": "orthogonal:radius_m=20"}, tmp_path / "run", suite="smoke-v0")
+    true = load(runs["official"])["orthogonal"]
+    false = edited(run, tmp_path / "false", lambda c: c["policies"][1].update(spec=true.spec, hash=true.hash))
+    with pytest.raises(RecordError, match=r"other flights of policy 'orthogonal' in episode \d+ of seed 0"):
+        build([runs["official"], false], tmp_path / "site")
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (lambda c: c["policies"][1]["metrics"]["risk_ratio_upper"].update(value=1e-6), "risk_ratio_upper.value"),
+        (lambda c: c["policies"][1]["metrics"].pop("faults"), "faults"),
+        (lambda c: c.update(official=False), "official = False must be True"),
+        (lambda c: c["policies"][1].update(track="range"), "track"),
+        (lambda c: c["policies"][1].update(hash="0" * 64), "hash"),
+        (lambda c: c["params"]["zone"].update(collision_m=4.4), "collision"),
+        (lambda c: c["params"]["reward"].update(comfort_m=4.4), "suite_hash"),
+        (lambda c: c.update(seed=NotImplemented), "not JSON"),
+    ],
+)
+def test_forged_claims_are_refused(runs, tmp_path, edit, words):
+    try:
+        forged = edited(runs["official"], tmp_path / "forged", edit)
+    except TypeError:  # what JSON cannot hold
+        forged = tmp_path / "forged"
+        (forged / "scores.json").write_text("{broken")
+    with pytest.raises(RecordError, match=words):
+        build([runs["short"], forged], tmp_path / "site")
+    assert not (tmp_path / "site").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["forged"]
+
+
+def test_leaderboards_run_no_code(tmp_path, runs, monkeypatch):
+    (tmp_path / "trap.py").write_text(f"import os\nos.mkdir({str(tmp_path / 'sprung')!r})\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    build(
+        [edited(runs["faulty"], tmp_path / "run", lambda c: c["policies"][1].update(spec="trap:x"))], tmp_path / "site"
+    )
+    assert not (tmp_path / "sprung").exists()
+
+
+# The command
+
+
+def run(capsys, *arguments):
+    status = main(["leaderboard", *map(str, arguments)])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_the_command(runs, tmp_path, capsys):
+    status, out, _ = run(capsys, runs["official"], runs["short"], "--out", tmp_path / "site")
+    assert (
+        status == 0 and "left out" in out and out.splitlines()[-1] == f"leaderboard: {tmp_path / 'site' / 'index.html'}"
+    )
+    status, _, err = run(capsys, runs["official"], "--out", tmp_path / "site")
+    assert status == 2 and "exists" in err
+    status, _, err = run(capsys, tmp_path, "--out", tmp_path / "site2")
+    assert status == 2 and "scores.json is missing" in err and len(err.splitlines()) == 1
+
+
+def test_an_unwritable_site_is_refused(runs, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ParamsError, match="cannot be written"):
+        build([runs["short"]], tmp_path / "file" / "site")
