@@ -13,6 +13,8 @@ from rss_gym.jit import kernel
 from rss_gym.params import ParamsError, number
 
 STILL_MPS = 0.5  # an intruder slower than this counts as hovering
+# Columns of the memory: the intruder obeyed + 1, whether it was moving, the side kept in the axes of its flight.
+OBEYED, MOVING, ALONG, RIGHT, UP = range(5)
 
 
 def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
@@ -49,16 +51,23 @@ def _steer(error_m, cruise_mps, told, position_m, velocity_mps, age_s, radius_m,
             memory[row, :] = 0.0
         if nearest < 0:
             continue
-        # The side is kept for the intruder it was chosen against.
-        if memory[row, 0] != nearest + 1.0:
-            memory[row, :] = 0.0
-            memory[row, 0] = nearest + 1.0
-        v = velocity_mps[row, nearest]
+        vx, vy, vz = velocity_mps[row, nearest, 0], velocity_mps[row, nearest, 1], velocity_mps[row, nearest, 2]
         # Below this the announced direction is mostly error and gusts.
-        moving = 1.0 if v[0] * v[0] + v[1] * v[1] + v[2] * v[2] >= STILL_MPS * STILL_MPS else 0.0
-        out[row, 0], out[row, 1], out[row, 2], memory[row, 1], memory[row, 2], memory[row, 3] = displacement(
-            nx, ny, nz, moving * v[0], moving * v[1], moving * v[2], radius_m, memory[row, 1], memory[row, 2], memory[row, 3]
+        moving = vx * vx + vy * vy + vz * vz >= STILL_MPS * STILL_MPS
+        if not moving:
+            vx = vy = vz = 0.0
+        # The axes of the other's flight, to its right: the own leg may turn while a side is kept.
+        level = np.sqrt(vx * vx + vy * vy)
+        ax, ay = (vx / level, vy / level) if level > 0.0 else (1.0, 0.0)
+        m = memory[row]
+        if m[OBEYED] != nearest + 1.0 or m[MOVING] != moving:
+            m[:] = 0.0
+            m[OBEYED], m[MOVING] = nearest + 1.0, moving
+        side_x, side_y = m[ALONG] * ax - m[RIGHT] * ay, m[ALONG] * ay + m[RIGHT] * ax
+        out[row, 0], out[row, 1], out[row, 2], side_x, side_y, m[UP] = displacement(
+            nx, ny, nz, vx, vy, vz, radius_m, side_x, side_y, m[UP]
         )
+        m[ALONG], m[RIGHT] = side_x * ax + side_y * ay, side_y * ax - side_x * ay
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +85,7 @@ class Orthogonal(Scripted):
     radius_m: float = number(60.0, 1.0, 1000.0)
     lookahead_s: float = number(0.5, 0.0, 60.0)
 
-    columns = 4  # intruder obeyed + 1, unit vector of the side
+    columns = 5
 
     def interface(self) -> dict[str, Any]:
         """Messages, and a reach to the far edge of the zone."""

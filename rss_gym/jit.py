@@ -16,6 +16,8 @@ import numba
 
 __all__ = ["announce", "cache_dir", "kernel"]
 
+# Parts of this package that hold no kernel and that none calls (tested): an edit there need not compile anything.
+_WITHOUT_KERNELS = {("eval",), ("train",), ("render",), ("cli.py",), ("listing.py",)}
 _OPTIONS = {"cache": True, "fastmath": False, "error_model": "numpy"}
 
 
@@ -44,12 +46,14 @@ def _writable(folder):
 
 
 def _digest(root):
-    """Hash the Numba version and every ``*.py`` file below ``root`` (or the file)."""
+    """Hash the Numba version and every ``*.py`` file below ``root`` (or the file) that a kernel may call or read."""
     state = hashlib.sha256(numba.__version__.encode())
     # Path.rglob does not enter linked folders, and a checkout has some.
     walk = os.walk(root, followlinks=True) if root.is_dir() else []
     files = [Path(here) / name for here, _, names in walk for name in names]
     for file in sorted(file for file in files or [root] if file.suffix == ".py"):
+        if file.relative_to(root).parts[:1] in _WITHOUT_KERNELS:
+            continue
         source = file.read_bytes()
         # Lengths keep the boundaries between names and contents unambiguous.
         name = file.relative_to(root.parent).as_posix().encode()

@@ -121,3 +121,11 @@ def test_user_setting_and_fallback(package, tmp_path, monkeypatch):
     assert folder.is_relative_to(tmp_path / "temp")
     assert folder.is_dir()
     jit.cache_dir.cache_clear()
+
+
+def test_parts_left_out_of_the_digest_hold_no_kernel():
+    for (name,) in jit._WITHOUT_KERNELS:
+        place = Path(jit.__file__).parent / name
+        files = place.rglob("*.py") if place.is_dir() else [place]
+        for file in files:
+            assert "rss_gym.jit" not in file.read_text(encoding="utf-8"), file
