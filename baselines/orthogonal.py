@@ -14,7 +14,8 @@ from rss_gym.params import ParamsError, number
 
 STILL_MPS = 0.5  # an intruder slower than this counts as hovering
 # Columns of the memory: the intruder obeyed + 1, whether it was moving, the side kept in the axes of its flight.
-OBEYED, MOVING, ALONG, RIGHT, UP = range(5)
+OBEYED, MOVING, ALONG, RIGHT, UP, HEADING_ALONG, HEADING_RIGHT = range(7)
+COS_TURNED = 0.8660254037844386  # 30 degrees: after such a turn, of either, the side is chosen anew
 
 
 def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
@@ -60,9 +61,10 @@ def _steer(error_m, cruise_mps, told, position_m, velocity_mps, age_s, radius_m,
         level = np.sqrt(vx * vx + vy * vy)
         ax, ay = (vx / level, vy / level) if level > 0.0 else (1.0, 0.0)
         m = memory[row]
-        if m[OBEYED] != nearest + 1.0 or m[MOVING] != moving:
+        turned = ax * m[HEADING_ALONG] + ay * m[HEADING_RIGHT] < COS_TURNED
+        if m[OBEYED] != nearest + 1.0 or m[MOVING] != moving or turned:
             m[:] = 0.0
-            m[OBEYED], m[MOVING] = nearest + 1.0, moving
+            m[OBEYED], m[MOVING], m[HEADING_ALONG], m[HEADING_RIGHT] = nearest + 1.0, moving, ax, ay
         side_x, side_y = m[ALONG] * ax - m[RIGHT] * ay, m[ALONG] * ay + m[RIGHT] * ax
         out[row, 0], out[row, 1], out[row, 2], side_x, side_y, m[UP] = displacement(
             nx, ny, nz, vx, vy, vz, radius_m, side_x, side_y, m[UP]
@@ -85,7 +87,7 @@ class Orthogonal(Scripted):
     radius_m: float = number(60.0, 1.0, 1000.0)
     lookahead_s: float = number(0.5, 0.0, 60.0)
 
-    columns = 5
+    columns = 7
 
     def interface(self) -> dict[str, Any]:
         """Messages, and a reach to the far edge of the zone."""

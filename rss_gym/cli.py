@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 DEMO_EPISODES = 10_000
+DEMO_REFERENCE = "orthogonal:radius_m=60"  # the replays show each policy beside it
 DEMO_POLICIES = (
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
@@ -166,7 +167,7 @@ def _demo(options: argparse.Namespace) -> None:
         "processes.",
         flush=True,
     )
-    result = evaluate(DEMO_POLICIES, episodes=options.episodes, workers=options.workers)
+    result = evaluate(DEMO_POLICIES, episodes=options.episodes, workers=options.workers, reference=DEMO_REFERENCE)
     folder = records.save(result, out, page=report.write)
     print(text.table(result))
     print(f"report: {folder / report.REPORT}")
