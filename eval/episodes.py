@@ -92,6 +92,13 @@ def checked(actions: Any, name: str, world: Params, count: int) -> tuple[np.ndar
         raise PolicyError(f"policy {name!r}: {' '.join(str(error).split())}") from error
 
 
+def sample_decisions(episode: np.ndarray, world: Params) -> np.ndarray:
+    """The decision at which each encounter's range is sampled, drawn from its key: one before its planned approach."""
+    approach = np.ceil(episode["approach_s"] / world.clock.decision_s)
+    decisions = np.where(approach > 0, approach, episode["ticks"] // world.clock.ticks_per_decision)
+    return np.array([int(uniform(e["key"], STREAM_SAMPLE, 0) * n) for e, n in zip(episode, decisions, strict=True)])
+
+
 def fly(
     policy: Any,
     name: str,
@@ -131,9 +138,7 @@ def fly(
     batch = start(world, block)
     episode, count = batch.episode, block.count
     table = np.zeros(count, TABLE)
-    decisions = episode["ticks"] // world.clock.ticks_per_decision
-    keys = episode["key"]
-    sampled = np.array([int(uniform(keys[i], STREAM_SAMPLE, 0) * decisions[i]) for i in range(count)])
+    sampled = sample_decisions(episode, world)
     deviation_ticks, done, state = np.zeros(count), np.zeros(count, bool), None
     positions: list[np.ndarray] = []
     if watch:

@@ -33,6 +33,7 @@ from rss_gym.params import Params, ParamsError, Track, suggestion
 
 SCORES_BYTES_MAX = 8 * 2**20
 TABLE_BYTES_MAX = 2**30
+TABLES_BYTES_MAX = 4 * 2**30
 EPISODES_MAX = TABLE_BYTES_MAX // TABLE.itemsize
 DEPTH_MAX = 16
 POLICIES_MAX = 1000
@@ -177,6 +178,12 @@ def load(folder: str | os.PathLike[str]) -> Record:
         )
     if (root / TABLES).is_symlink():
         raise RecordError(f"{root / TABLES} is a symbolic link; a record holds plain files and folders")
+    size = fields["episodes"] * len(fields["policies"]) * TABLE.itemsize
+    if size > TABLES_BYTES_MAX:
+        raise RecordError(
+            f"{file}: {len(fields['policies'])} policies of {fields['episodes']} episodes are {size} bytes of tables; "
+            f"they must be at most {TABLES_BYTES_MAX}"
+        )
     policies: list[Policy] = []
     for index, item in enumerate(fields["policies"]):
         where = f"policies[{index}]"

@@ -29,7 +29,8 @@ TABLE = np.dtype(
         ("warned_s", f8),  # time of the first warning, -1 without one
         ("false_alerts", i8),  # warnings that opened at a true separation above S
         ("missed_ticks", i8),  # longest run of ticks with d <= S and an estimate above S
-        # One decision of the encounter, drawn from its key, so that samples are independent between encounters
+        # One decision before the planned closest approach, drawn from the encounter's key, so that samples are
+        # independent between encounters; zero where the flight ended before it
         ("sample_separation_m", f8),  # true, of the first intruder
         ("sample_range_m", f8),  # estimated
         ("fault", b1),  # the policy raised, or gave an action of wrong shape or not finite

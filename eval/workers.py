@@ -125,7 +125,8 @@ def _begin(lifeline: Connection, recipes: list[Recipe], params: Params) -> None:
 
 
 def _end_with(lifeline: Connection) -> None:
-    lifeline.poll(None)  # nothing is ever sent
+    with contextlib.suppress(OSError):  # how Windows says that the other end is closed
+        lifeline.poll(None)  # nothing is ever sent
     os._exit(1)
 
 

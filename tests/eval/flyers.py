@@ -41,10 +41,10 @@ class Flyer:
 
 
 class NanOnce(Flyer):
-    """Not a number at decision 9 of one encounter in about 64, by its range then."""
+    """Not a number at decision 9 of one encounter in about 16, by its range then."""
 
     def spoilt(self, actions, observation, state):
-        drawn = np.floor(np.abs(observation[:, 0]) * 2.0**20).astype(np.int64) % 64 == 0
+        drawn = np.floor(np.abs(observation[:, 0]) * 2.0**20).astype(np.int64) % 16 == 0
         actions[(state[:, 0] == 9.0) & drawn, 1] = np.nan
         return actions
 

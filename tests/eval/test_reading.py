@@ -247,6 +247,11 @@ def test_reading_opens_no_channel_file(folder, tmp_path):
     refused(folder, "params.channels")
 
 
+def test_tables_without_end(folder):
+    change(folder, lambda content: content.update(policies=content["policies"][:1] * 900, episodes=EPISODES_MAX))
+    refused(folder, "900 policies", "bytes")
+
+
 # Tables
 
 

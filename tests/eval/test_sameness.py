@@ -22,7 +22,7 @@ HERE = Path(__file__).parent
 sys.path.append(str(HERE))  # workers are started with the same path
 flyers = importlib.import_module("flyers")
 
-EPISODES = 100
+EPISODES = 70
 POLICIES = ["none", "orthogonal", "random", "flyers:Flyer", "flyers:NanOnce"]
 
 
@@ -45,14 +45,14 @@ def alone():
     return flown(block=2048)
 
 
-@pytest.mark.parametrize("block", [7, 64, 99, 2048])
+@pytest.mark.parametrize("block", [7, 64, 2048])
 def test_any_block_gives_the_same_scores(alone, block):
     assert same(flown(block=block), alone)
 
 
 def test_each_encounter_on_its_own_gives_the_same_rows(alone):
-    for one, other in zip(flown(episodes=25, block=1).policies, alone.policies, strict=True):
-        assert one.table.tobytes() == other.table[:25].tobytes()
+    for one, other in zip(flown(episodes=12, block=1).policies, alone.policies, strict=True):
+        assert one.table.tobytes() == other.table[:12].tobytes()
 
 
 @pytest.mark.parametrize("workers", [2, 3])
@@ -69,7 +69,7 @@ def test_objects_are_flown_by_workers_too(alone):
     assert result.policies[1].table.tobytes() == alone.policies[3].table[:20].tobytes()
 
 
-@pytest.mark.parametrize("numbers", [(5,), (99, 3, 40), range(90, 100)])
+@pytest.mark.parametrize("numbers", [(5,), (69, 3, 40), range(60, 70)])
 def test_any_selection_of_episodes_gives_the_same_rows(alone, numbers):
     suite = find("encounter-v0")
     chosen = list(numbers)
@@ -179,6 +179,8 @@ def started(tmp_path):
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
+            # A test run in the background inherits an ignored SIGINT.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
         commands.append(command)
         wait_for(lambda: command.poll() is not None or len(list(marks.iterdir())) == workers)
