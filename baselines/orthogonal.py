@@ -127,5 +127,3 @@ class OrthogonalOracle(Orthogonal):
     def interface(self) -> dict[str, Any]:
         """As the rule, on track `oracle`."""
         return super().interface() | {"track": "oracle"}
-
-

@@ -60,8 +60,8 @@ def scores() -> str:
     used = ", ".join(f"{name} {number}" for name, number in versions().items())
     lines.append("")
     lines.append(
-        f"{EPISODES} encounters of suite `{result.suite.name}`, split `{result.suite.split}`, seed {SEED}; 95 % intervals "
-        f"in brackets; made by `python docs/make.py` with {used}."
+        f"{EPISODES} encounters of suite `{result.suite.name}`, split `{result.suite.split}`, seed {SEED}; 95 % "
+        f"intervals in brackets; made by `python docs/make.py` with {used}."
     )
     return "\n".join(lines)
 

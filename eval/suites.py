@@ -62,7 +62,7 @@ class Suite:
         return hashlib.sha256(json.dumps(self.definition, sort_keys=True).encode()).hexdigest()
 
     def changed(self, **keywords: Any) -> Suite:
-        """This suite with other parameters; a change changes the hash, and such runs are not official."""
+        """The suite with other parameters; a change changes the hash, and such runs are not official."""
         return dataclasses.replace(self, params=Params.of(self.params, **keywords)) if keywords else self
 
 
@@ -74,9 +74,7 @@ SUITES: dict[str, Suite] = {
         Suite("encounter-v0", "the default world, planar"),
         Suite("encounter3d-v0", "the default world in space", Params.of(planar=False)),
         Suite("range-only-v0", "ranges and velocities, no positions", Params.of(track="range")),
-        Suite(
-            "gps-denied-v0", "agent and intruder both localised by radio", Params.of(agent="rss", intruder="rss")
-        ),
+        Suite("gps-denied-v0", "agent and intruder both localised by radio", Params.of(agent="rss", intruder="rss")),
         Suite("quadcopter-v0", "the channel of a real telemetry link", Params.of(channel="quadcopter")),
         Suite("turning-v0", "both aircraft turn before the closest approach", Params.of(families="turning")),
         Suite("degenerate-v0", "hand-written corners of the geometry", Params.of(families=DEGENERATE), episodes=1000),

@@ -45,7 +45,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="rss-gym", description="UAV collision avoidance with ranges from radio signal strength.")
+    parser = argparse.ArgumentParser(
+        prog="rss-gym", description="UAV collision avoidance with ranges from radio signal strength."
+    )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     command = commands.add_parser("list", help="ids, policies, channel presets, families and suites")
@@ -53,7 +55,9 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(run=_list)
 
     command = commands.add_parser("eval", help="score policies on the same encounters")
-    command.add_argument("--policy", nargs="+", required=True, metavar="NAME", help="such as none orthogonal:radius_m=60")
+    command.add_argument(
+        "--policy", nargs="+", required=True, metavar="NAME", help="such as none orthogonal:radius_m=60"
+    )
     command.add_argument("--suite", default="encounter-v0")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")

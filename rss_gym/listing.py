@@ -12,7 +12,9 @@ from rss_gym.params import presets
 def listing() -> dict[str, dict[str, str]]:
     """Title -> name -> one line."""
     return {
-        "ids": {name: ", ".join(f"{k}={v!r}" for k, v in keywords.items()) or "default" for name, keywords in IDS.items()},
+        "ids": {
+            name: ", ".join(f"{k}={v!r}" for k, v in keywords.items()) or "default" for name, keywords in IDS.items()
+        },
         "policies": {
             name: item["summary"] + "".join(f" [{key}={value:g}]" for key, value in item["options"].items())
             for name, item in describe().items()

@@ -121,9 +121,7 @@ def split(observation: np.ndarray, params: Params) -> dict[str, np.ndarray]:
     columns: dict[str, list[int]] = {}
     for index, f in enumerate(table):
         columns.setdefault(f.name.partition(".")[2] or f.name, []).append(index)
-    return {
-        name: values[..., at] if "." in table[at[0]].name else values[..., at[0]] for name, at in columns.items()
-    }
+    return {name: values[..., at] if "." in table[at[0]].name else values[..., at[0]] for name, at in columns.items()}
 
 
 def bounds(params: Params) -> tuple[np.ndarray, np.ndarray]:

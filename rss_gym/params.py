@@ -65,7 +65,8 @@ class Group:
             self._check(item)
 
     def _check(self, item: dataclasses.Field[Any]) -> None:
-        value, meta = getattr(self, item.name), item.metadata
+        value: Any = getattr(self, item.name)
+        meta = item.metadata
         if "known" in meta:
             if value is None and item.default is None:
                 return
@@ -73,7 +74,7 @@ class Group:
                 raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), meta['known'])}")
         elif "low" in meta:
             # `numbers` knows NumPy's scalars too, as a sweep hands them over.
-            kind: type = numbers.Integral if isinstance(item.default, int) else numbers.Real
+            kind: Any = numbers.Integral if isinstance(item.default, int) else numbers.Real
             if isinstance(value, (bool, np.bool_)) or not isinstance(value, kind):
                 wanted = "a whole number" if kind is numbers.Integral else "a number"
                 raise ParamsError(f"{item.name} must be {wanted}, got {value!r}")
@@ -448,6 +449,4 @@ _GROUPS: dict[str, Any] = {
     "reward": Reward,
 }
 # Field names are unique over the groups (tested), so a keyword needs no group.
-_OWNER = types.MappingProxyType(
-    {f.name: name for name, group in _GROUPS.items() for f in dataclasses.fields(group)}
-)
+_OWNER = types.MappingProxyType({f.name: name for name, group in _GROUPS.items() for f in dataclasses.fields(group)})

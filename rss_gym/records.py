@@ -273,7 +273,10 @@ def channels(params: Params) -> np.ndarray:
         record["white_std_db"] = np.sqrt(channel.white_variance_db2)
         # The rounding error of a quantiser is uniform: variance step^2 / 12. A floor keeps the filter's R positive.
         record["white_variance_db2"] = max(channel.white_variance_db2 + channel.quantisation_db**2 / 12.0, 1e-6)
-        record["coloured_std_db"], record["wander_std"] = np.sqrt(channel.coloured_variance_db2), channel.path_loss_wander
+        record["coloured_std_db"], record["wander_std"] = (
+            np.sqrt(channel.coloured_variance_db2),
+            channel.path_loss_wander,
+        )
         _process(record, "wander", channel.path_loss_wander, params.clock.decision_s, channel.path_loss_wander_tc_s)
         from rss_gym.physics.noise import decay, driving_std
 

@@ -157,12 +157,8 @@ def refill_decisions(world, i):
     for a in range(1 + e.intruders):
         if localisation(config, a) == RSS:
             first = NODES * a
-            fill_normals(
-                e.key, STREAM_WANDER + MAX_INTRUDERS + first, block, normals[k + first : k + first + NODES]
-            )
-        fill_normals(
-            e.key, STREAM_AIRCRAFT + 10 * a, block, normals[aircraft + 10 * a : aircraft + 10 * a + 10]
-        )
+            fill_normals(e.key, STREAM_WANDER + MAX_INTRUDERS + first, block, normals[k + first : k + first + NODES])
+        fill_normals(e.key, STREAM_AIRCRAFT + 10 * a, block, normals[aircraft + 10 * a : aircraft + 10 * a + 10])
 
 
 @kernel(forceinline=True)
@@ -313,9 +309,7 @@ def move(world, i, action):
             e.zone = True
         height, radius = config.snmac_vertical_m, config.snmac_horizontal_m
         if square < radius * radius + height * height:
-            e.snmac |= enters_cylinder(
-                x, y, z, vx - ovx, vy - ovy, vz - ovz, t, radius, height
-            )
+            e.snmac |= enters_cylinder(x, y, z, vx - ovx, vy - ovy, vz - ovz, t, radius, height)
         u[0], u[1], u[2] = u[0] + vx * t, u[1] + vy * t, u[2] + vz * t
     own[0], own[1], own[2] = own[0] + ovx * t, own[1] + ovy * t, own[2] + ovz * t
     e.flown_m += t * sqrt(ovx * ovx + ovy * ovy + ovz * ovz)
@@ -393,7 +387,7 @@ def start_filter(config, channel, link, rss_dbm, heard, to_node):
 
 @kernel(forceinline=True)
 def closing(config, rx, ry, rz, vx, vy, vz, bearing_std_m):
-    """psi of (12) and its Var(w), from a relative position, a relative velocity and the position's uncertainty.
+    """Control input psi of (12) and its Var(w), from a relative position, a relative velocity and the position's uncertainty.
 
     psi is the velocity along the bearing times the tick. An error of the bearing by std / range turns some of the
     velocity across it into range; it persists, so its variance is inflated as a random walk must be to cover it.
@@ -502,8 +496,10 @@ def warn(world, i, k):
         contact.radius_m = adaptive_radius_m(config, agent, contact, link)
     violated = violates(link.range_m, contact.radius_m)
     contact.streak = contact.streak + 1 if violated else 0
-    contact.clear_s = 0.0 if violates(link.range_m, config.warning_close_ratio * contact.radius_m) else (
-        contact.clear_s + config.tick_s
+    contact.clear_s = (
+        0.0
+        if violates(link.range_m, config.warning_close_ratio * contact.radius_m)
+        else (contact.clear_s + config.tick_s)
     )
     if violated:
         contact.warning = True

@@ -39,7 +39,9 @@ def test_example_under_37():
 
 @given(PROBABILITIES, st.floats(1e-12, 0.5))
 def test_trials_are_the_fewest_that_satisfy_36(probability, collision_probability):
-    trials = Zone(speed_relative_max_mps=100.0, range_error_probability=probability, collision_probability=collision_probability).trials
+    trials = Zone(
+        speed_relative_max_mps=100.0, range_error_probability=probability, collision_probability=collision_probability
+    ).trials
     # A power that equals the target to rounding may be counted either way.
     assert (1.0 - probability) ** trials <= collision_probability * (1.0 + 1e-9)
     assert trials == 1 or (1.0 - probability) ** (trials - 1) > collision_probability * (1.0 - 1e-9)
@@ -47,7 +49,11 @@ def test_trials_are_the_fewest_that_satisfy_36(probability, collision_probabilit
 
 @pytest.mark.parametrize(("probability", "exponent"), [(0.9, 1), (0.9, 5), (0.9, 9), (0.5, 3), (0.99, 2)])
 def test_trials_at_exact_powers(probability, exponent):
-    zone = Zone(speed_relative_max_mps=100.0, range_error_probability=probability, collision_probability=min(0.5, (1.0 - probability) ** exponent))
+    zone = Zone(
+        speed_relative_max_mps=100.0,
+        range_error_probability=probability,
+        collision_probability=min(0.5, (1.0 - probability) ** exponent),
+    )
     assert zone.trials == exponent
 
 

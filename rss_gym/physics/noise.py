@@ -8,7 +8,7 @@ from rss_gym.physics.elementary import exp
 
 @kernel(forceinline=True)
 def decay(period_s, correlation_time_s):
-    """a = e^{lambda Delta} with lambda = -1 / Tc."""
+    """Decay a = e^{lambda Delta} with lambda = -1 / Tc."""
     return exp(-period_s / correlation_time_s)
 
 

@@ -73,7 +73,7 @@ def test_the_rule_on_true_states_never_collides(family):
 
 
 def test_written_encounters_are_for_one_intruder():
-    with pytest.raises(ParamsError, match="hovering.*one intruder"):
+    with pytest.raises(ParamsError, match=r"hovering.*one intruder"):
         Batch(Params.of(families="hovering", intruders=2), 1)
 
 
