@@ -59,7 +59,7 @@ def main() -> None:
             f"{found['process_mib']:12.0f} {found['worker_mib']:11.0f}"
         )
     print(
-        f"bar: 100,000 episodes of `orthogonal` under 60 s on two workers, under 1 GiB a process; {options.workers} used"
+        f"bar: 100,000 episodes of `orthogonal` under 60 s and 1 GiB a process; {options.workers} workers used"
     )
     print(f"metrics and intervals of {POLICIES} policies at 10,000 episodes: {metrics_of_nine():.2f} CPU s (bar: 5 s)")
 
