@@ -12,8 +12,8 @@ from rss_gym.params import Params
 from rss_gym.records import EPISODE
 from rss_gym.render.painter import RENDER_FPS, Painter
 
-_COLUMNS = {name: EPISODE.names.index(name) for name in INFO}
-_TRUNCATED = EPISODE.names.index("truncated")
+_NAMES = list(EPISODE.names or ())
+_COLUMNS, _TRUNCATED = {name: _NAMES.index(name) for name in INFO}, _NAMES.index("truncated")
 _NO_ROW, _ROW = np.zeros(1, bool), np.ones(1, bool)
 
 
