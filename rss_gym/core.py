@@ -13,12 +13,9 @@ import gymnasium as gym
 import numpy as np
 
 from rss_gym import encounters, observation, records, world
-from rss_gym.jit import announce, kernel
+from rss_gym.jit import announce
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.sensed import OTHER, OWN
-from rss_gym.sensing import sense_row
-
-decide_row, reset_row, write = world.decide_row, world.reset_row, observation.write
 
 SPLITS = {"train": 0, "validation": 1, "suite": 2}
 SEED_LIMIT = 2**63
@@ -42,29 +39,6 @@ INFO = {
     "reward_proximity": "term of the reward",
     "reward_collision": "term of the reward",
 }
-
-
-@kernel
-def step_rows(state, own, others, planar, positions, actions, skip, observations, rewards):
-    """Advance the rows that are not skipped by one decision and write their observations."""
-    for i in range(len(rewards)):
-        if not skip[i]:
-            rewards[i] = decide_row(state, i, actions[i])
-            sense_row(state, i, own[i], others[i])
-            write(own[i], others[i], planar, positions, observations[i])
-
-
-@kernel
-def reset_rows(state, own, others, planar, positions, mask, split, seeds, numbers, observations):
-    """Start the given episodes in the rows of `mask` and write their observations. Returns the row that failed."""
-    for i in range(len(mask)):
-        if mask[i]:
-            reset_row(state, i, split[i], seeds[i], numbers[i])
-            if state.episode[i].family < 0:
-                return i
-            sense_row(state, i, own[i], others[i])
-            write(own[i], others[i], planar, positions, observations[i])
-    return -1
 
 
 class Batch:
@@ -97,6 +71,7 @@ class Batch:
         self.seeds = np.zeros(n, np.uint64)
         self.numbers = np.zeros(n, np.uint64)  # of the next episode
         self.started = np.zeros(n, bool)
+        self._still = np.zeros((n, 3))
         self._layout = (params.encounter.planar, params.interface.track != "range")
 
     @property
@@ -117,10 +92,7 @@ class Batch:
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
-        failed = reset_rows(
-            self.world, self.own, self.others, *self._layout, mask, self.split, self.seeds, self.numbers,
-            self.observations,
-        )  # fmt: skip
+        failed = self._run(mask, True, self._still)
         if failed >= 0:
             raise ParamsError(
                 f"no encounter of families {self.params.encounter.families!r} meets the limits on closing speed, time "
@@ -132,7 +104,14 @@ class Batch:
 
     def step(self, actions: np.ndarray, skip: np.ndarray) -> None:
         """Fly one decision in the rows that are not in `skip`; `actions` (n, 3) in [-1, 1] along, right, up."""
-        step_rows(self.world, self.own, self.others, *self._layout, actions, skip, self.observations, self.rewards)
+        self._run(~skip, False, actions)
+
+    def _run(self, mask: np.ndarray, fresh: bool, actions: np.ndarray) -> int:
+        failed = world.run(
+            self.world, self.own, self.others, *self._layout, mask, fresh, self.split, self.seeds, self.numbers,
+            actions, self.observations, self.rewards,
+        )  # fmt: skip
+        return int(failed)
 
     def info(self, name: str) -> np.ndarray:
         """A copy of one column of `INFO`, or `is_success`."""

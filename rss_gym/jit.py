@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numba
 
-__all__ = ["announce", "cache_dir", "kernel"]
+__all__ = ["announce", "cache_dir", "inner", "kernel"]
 
 # Parts of this package that hold no kernel and that none calls (tested): an edit there need not compile anything.
 _WITHOUT_KERNELS = {("eval",), ("train",), ("render",), ("cli.py",), ("listing.py",)}
@@ -128,3 +128,11 @@ def kernel(function=None, **options):
         return numba.njit(**{**_OPTIONS, **options})(function)
     finally:
         numba.config.CACHE_DIR = before
+
+
+def inner(function=None, **options):
+    """Compile a function that only other kernels call.
+
+    It is not kept on disk and cannot be called from Python, which makes compiling it cheaper.
+    """
+    return kernel(function, cache=False, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)

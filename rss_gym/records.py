@@ -14,6 +14,7 @@ from rss_gym.ranging import RANGE_ESTIMATORS
 
 NODES: Final = 4  # reference nodes
 MAX_WAY_POINTS: Final = 8
+ROWS: Final = 16  # of a block
 
 # Codes of the choices in `params`.
 ORACLE, PAPER, RANGE = 0, 1, 2
@@ -118,6 +119,57 @@ CONTACT = np.dtype(
     ]
 )
 
+
+def _lanes(names: str, *shape: int) -> list[Any]:
+    return [(name, f8, (*shape, ROWS)) for name in names.split()]
+
+
+# A block is working memory: up to `ROWS` rows that fly a decision side by side, each on a lane. The lane is the last
+# axis of every field, so that the compiler makes vector instructions of a loop over lanes. A pass writes one of these
+# records and reads others, so that no loop needs to know whether two of its arrays overlap.
+BLOCK = np.dtype(
+    [
+        ("rows", i8),  # in use
+        ("row", i8, ROWS),  # their numbers in the batch
+        ("flown", i8, ROWS),  # ticks of this decision
+        *_lanes("tick deviation_m deviation_max_m flown_m nearest_squared_m2"),
+        *_lanes("action before_mps", 3),  # before_mps: the agent's velocity before the decision
+        *_lanes(  # as in CHANNEL
+            "path_loss_factor offset_dbm white_std_db white_variance_db2 coloured_variance_db2 coloured_decay "
+            "coloured_drive_db sensitivity_dbm"
+        ),
+        *_lanes("node_x_m node_y_m node_z_m node_range_m node_weight_pm2", 3),  # a fix by three nodes
+    ]
+)
+AIRCRAFT_LANES = np.dtype(
+    [
+        *_lanes("held_s hover_until_s barometer_error_m datum_error_m solution_std_m"),  # as in AIRCRAFT
+        *_lanes(
+            "position_m velocity_mps gust_mps way_point_m planned_m planned_mps along gnss_error_m velocity_error_mps "
+            "drift_m solution_m solution_mps",
+            3,
+        ),
+        *_lanes("clock_s leg_s turn_s"),  # the aircraft's own time; start and end of its leg
+        *_lanes("leg_m way_point_mps ground_mps", 3),  # start of the leg; velocities of way point and over ground
+    ]
+)
+LINK_LANES = np.dtype(
+    [
+        *_lanes("coloured_db wander range_m coloured_hat_db p_dd p_dp p_pp rate_mps"),  # as in LINK
+        *_lanes("coloured_normal white_normal distance_squared_m2 rss_dbm psi_m process_noise_m2"),  # of a tick
+    ]
+)
+CONTACT_LANES = np.dtype(
+    [
+        # Motion relative to the agent before a tick, and the least separation in it
+        *_lanes("relative_m relative_mps", 3),
+        *_lanes("least_m least_squared_m2"),
+        # What psi is made of: known is 1 while messages come
+        *_lanes("position_m velocity_mps", 3),
+        *_lanes("std_m known"),
+    ]
+)
+
 CHANNEL = np.dtype(
     [
         ("path_loss_factor", f8),
@@ -161,8 +213,8 @@ _CONFIG_FLOATS = (
     "tick_s decision_s tail_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps gust_decay "
     "gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps start_min_m "
     "start_max_m time_to_approach_max_s horizontal_offset_m vertical_offset_m conflict_offset_m altitude_m "
-    "altitude_band_m process_noise_m2 process_noise_psi_m2 bearing_inflation prior_range_m prior_std_m node_prior_range_m "
-    "node_prior_std_m range_floor_m "
+    "altitude_band_m process_noise_m2 process_noise_psi_m2 bearing_inflation prior_range_m prior_std_m "
+    "node_prior_range_m node_prior_std_m range_floor_m "
     "rate_gain gnss_m gnss_vertical_m gnss_decay gnss_drive barometer_m barometer_decay barometer_drive "
     "barometer_datum_m velocity_error_mps velocity_decay velocity_drive drift_mps drift_decay drift_drive "
     "radius_m range_error_probability reaction_s warning_close_ratio warning_close_s hover_s collision_m "
@@ -175,7 +227,7 @@ _CONFIG_INTS = (
 CONFIG = np.dtype(
     [(name, f8) for name in _CONFIG_FLOATS]
     + [(name, i8) for name in _CONFIG_INTS]
-    + [("planar", b1), ("zone_adaptive", b1), ("nodes_m", f8, (NODES, 3))]
+    + [("planar", b1), ("zone_adaptive", b1), ("lossy", b1), ("nodes_m", f8, (NODES, 3))]
 )
 
 
@@ -189,14 +241,23 @@ class World(NamedTuple):
     aircraft: Any  # (n, 1 + K) AIRCRAFT
     links: Any  # (n, K + NODES (1 + K)) LINK
     contacts: Any  # (n, K) CONTACT
-    tick_normals: Any  # (n, 2 links, 4) the standard normals of four ticks
-    decision_normals: Any  # (n, links + 10 (1 + K), 4) the standard normals of four decisions
+    used: Any  # (u,) the links that are ranged
+    tick_streams: Any  # (2 u,) streams of their normals, coloured and white
+    tick_normals: Any  # (n, 8 u) four of each: the standard normals of four ticks
+    decision_streams: Any  # (s,) streams of the slow processes
+    decision_normals: Any  # (n, 4 s) four of each: the standard normals of four decisions
+    # The block at work
+    block: Any  # (1,) BLOCK
+    aircraft_lanes: Any  # (1 + K,) AIRCRAFT_LANES
+    link_lanes: Any  # as many LINK_LANES as a row has links
+    contact_lanes: Any  # (K,) CONTACT_LANES
 
 
 def allocate(params: Params, families: np.ndarray, n: int) -> World:
     """A world of `n` rows that are all still to be reset."""
     k = params.encounter.intruders
-    links = k + NODES * (1 + k)
+    links, used = k + NODES * (1 + k), used_links(params)
+    tick, decision = streams(params, used)
     return World(
         config=config(params),
         channels=channels(params),
@@ -205,9 +266,34 @@ def allocate(params: Params, families: np.ndarray, n: int) -> World:
         aircraft=np.zeros((n, 1 + k), AIRCRAFT),
         links=np.zeros((n, links), LINK),
         contacts=np.zeros((n, k), CONTACT),
-        tick_normals=np.zeros((n, 2 * links, 4)),
-        decision_normals=np.zeros((n, links + 10 * (1 + k), 4)),
+        used=used,
+        tick_streams=tick,
+        tick_normals=np.zeros((n, 4 * len(tick))),
+        decision_streams=decision,
+        decision_normals=np.zeros((n, 4 * len(decision))),
+        block=np.zeros(1, BLOCK),
+        aircraft_lanes=np.zeros(1 + k, AIRCRAFT_LANES),
+        link_lanes=np.zeros(links, LINK_LANES),
+        contact_lanes=np.zeros(k, CONTACT_LANES),
     )
+
+
+def used_links(params: Params) -> np.ndarray:
+    """Links to the intruders, and to the nodes of whoever is localised by radio; the others are never ranged."""
+    k, sides = params.encounter.intruders, params.navigation
+    by_radio = [a for a in range(1 + k) if (sides.intruder if a else sides.agent) == "rss"]
+    return np.array([*range(k), *(k + NODES * a + j for a in by_radio for j in range(NODES))])
+
+
+def streams(params: Params, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Streams of the normals that are drawn for every tick and for every decision."""
+    k = params.encounter.intruders
+    g = [global_link(k, int(link)) for link in used]
+    tick = [STREAM_TICK + 2 * link + part for link in g for part in (0, 1)]
+    # Gust, GNSS and velocity of each axis, then the barometer; in the plane nothing has errors upwards.
+    processes = [0, 3, 6, 1, 4, 7] if params.encounter.planar else [0, 3, 6, 1, 4, 7, 2, 5, 8, 9]
+    aircraft = [STREAM_AIRCRAFT + 10 * a + process for a in range(1 + k) for process in processes]
+    return np.array(tick), np.array([STREAM_WANDER + link for link in g] + aircraft)
 
 
 def _process(record: Any, name: str, std: float, period_s: float, tc_s: float) -> None:
@@ -240,6 +326,7 @@ def config(params: Params) -> np.ndarray:
     record["intruders_min"] = p.encounter.intruders_min or p.encounter.intruders
     record["rate_gain"] = p.clock.tick_s / (p.clock.tick_s + p.ranging.rate_tc_s)
     record["radius_m"], record["trials"] = p.zone.radius_m, p.zone.trials
+    record["lossy"] = any(channel.quantisation_db > 0.0 or channel.packet_loss > 0.0 for channel in p.channels)
     record["zone_adaptive"] = p.zone.zone == "adaptive"
     record["estimator"] = RANGE_ESTIMATORS[p.ranging.estimator]
     record["track"], record["action"] = TRACKS[p.interface.track], ACTIONS[p.interface.action]

@@ -52,7 +52,7 @@ def sense_row(world, i, own, others):
             reveal(own, other, agent, world.aircraft[i, 1 + k], link, gamma)
 
 
-@kernel
+@kernel(forceinline=True)
 def reveal(own, other, agent, craft, link, gamma):
     """Track `oracle`: replace every estimate by the truth."""
     square = rate = 0.0

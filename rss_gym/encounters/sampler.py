@@ -78,7 +78,7 @@ def approach_of(one, two, end_s):
     return min(max(-((bx - ax) * vx + (by - ay) * vy + (bz - az) * vz) / square, 0.0), end_s)
 
 
-@kernel
+@kernel(forceinline=True)
 def planned(aircraft, leg, time_s):
     """u^d and its velocity at `time_s`, on leg number `leg`; beyond the last way point the last leg goes on."""
     p, t = aircraft.path_m, aircraft.path_s
@@ -89,7 +89,7 @@ def planned(aircraft, leg, time_s):
     return p[leg, 0] + vx * s, p[leg, 1] + vy * s, p[leg, 2] + vz * s, vx, vy, vz
 
 
-@kernel
+@kernel(forceinline=True)
 def leg_at(aircraft, leg, time_s):
     """Number of the leg flown at `time_s`, searched from `leg` on."""
     while leg + 2 < aircraft.path_points and time_s >= aircraft.path_s[leg + 1]:

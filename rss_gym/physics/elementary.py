@@ -134,7 +134,7 @@ def log10(x):
     return (rest + ((whole - total) + product)) + total
 
 
-@kernel
+@kernel(forceinline=True)
 def exp(x):
     """Exponential.
 

@@ -149,7 +149,7 @@ def _word(key, stream, index):
     return (w0 if lane == 0 else w1) if lane < 2 else (w2 if lane == 2 else w3)
 
 
-@kernel
+@kernel(forceinline=True)
 def _unit_uniform(word):
     """Map 0 .. 2**32 - 1 into the open interval (0, 1)."""
     return (np.float64(word) + 0.5) * 2.0**-32
@@ -161,7 +161,7 @@ def _layer_and_abscissa(word):
     return word & 255, ((word >> 7) | 1) - _SCALE
 
 
-@kernel
+@kernel(forceinline=True)
 def _normal_from(key, stream, index, word):
     """Ziggurat for value ``index`` of a stream, starting from its first word."""
     attempt = 0
@@ -189,6 +189,12 @@ def _normal_from(key, stream, index, word):
 
 
 @kernel
+def _normal(key, stream, index):
+    """`normal` for arguments of one type each: Numba compiles a kernel anew for every constant it is called with."""
+    return _normal_from(key, stream, index, np.int64(_word(key, stream, index)))
+
+
+@kernel
 def normal(key, stream, index):
     """Standard normal number ``index`` of a stream.
 
@@ -206,8 +212,7 @@ def normal(key, stream, index):
     float
         Normal deviate, mean 0, variance 1.
     """
-    index = np.int64(index)
-    return _normal_from(key, stream, index, _word(key, stream, index))
+    return _normal(np.uint64(key), np.int64(stream), np.int64(index))
 
 
 @kernel
@@ -228,47 +233,43 @@ def uniform(key, stream, index):
     float
         ``(word + 1/2) / 2**32``: in the open interval (0, 1).
     """
-    return _unit_uniform(_word(key, stream, np.int64(index)))
+    return _unit_uniform(_word(np.uint64(key), np.int64(stream), np.int64(index)))
 
 
-@kernel
-def fill_normals(key, first_stream, block, out):
+@kernel(forceinline=True)
+def fill_normals(key, streams, block, out):
     """Four consecutive normals of many streams.
 
-    Bit for bit, ``out[s, j] = normal(key, first_stream + s, 4 * block + j)``.
+    Bit for bit, ``out[4 * s + j] = normal(key, streams[s], 4 * block + j)``.
 
     Parameters
     ----------
     key : uint64
         Episode key.
-    first_stream : int
-        Stream of row 0.
+    streams : ndarray of int64, shape (n_streams,)
+        Stream numbers, >= 0.
     block : int
         Number of the block of four values.
-    out : ndarray of float64, shape (n_streams, 4), C-contiguous
+    out : ndarray of float64, shape (4 * n_streams,), contiguous
         Overwritten.
     """
-    first = np.uint64(first_stream)
-    start = 4 * np.int64(block)
-    values = out.reshape(-1)
-    # The words wait in the memory of the results: no second array.  Unsigned
-    # indices need no test for negative ones, so LLVM vectorises this loop.
-    words = values.view(np.uint64)
-    for s in range(out.shape[0]):
-        w0, w1, w2, w3 = _block(key, first + np.uint64(s), block, 0)
-        i = np.uint64(4) * np.uint64(s)
-        words[i] = w0
-        words[i + np.uint64(1)] = w1
-        words[i + np.uint64(2)] = w2
-        words[i + np.uint64(3)] = w3
-    for i in range(values.size):
-        word = np.int64(words[i])
+    # The words wait, as bits, in the memory of the results: no second array.  Unsigned indices need no test for
+    # negative ones, so LLVM vectorises this loop.
+    for n in range(len(streams)):
+        s = np.uint64(n)
+        w0, w1, w2, w3 = _block(key, streams[s], block, 0)
+        i = np.uint64(4) * s
+        out[i] = np.uint64(w0).view(np.float64)
+        out[i + np.uint64(1)] = np.uint64(w1).view(np.float64)
+        out[i + np.uint64(2)] = np.uint64(w2).view(np.float64)
+        out[i + np.uint64(3)] = np.uint64(w3).view(np.float64)
+    for i in range(out.size):
+        word = np.float64(out[i]).view(np.int64)
         layer, m = _layer_and_abscissa(word)
         x = m * _UNIT[layer]
         if abs(m) >= _INNER[layer]:
-            stream = np.int64(first) + (i >> 2)
-            x = _normal_from(key, stream, start + (i & 3), word)
-        values[i] = x
+            x = _normal_from(key, streams[i >> 2], 4 * np.int64(block) + (i & 3), word)
+        out[i] = x
 
 
 @kernel

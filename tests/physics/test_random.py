@@ -13,6 +13,13 @@ from rss_gym.physics import random
 from rss_gym.physics.random import episode_key, fill_normals, normal, philox4x32, uniform
 
 KEY = np.uint64(episode_key(2, np.uint64(20240601), np.uint64(7)))
+
+
+def fill(key, first, block, out):
+    """Fill `out`, shape (streams, 4), with consecutive streams from `first` on."""
+    fill_normals(np.uint64(key), np.arange(first, first + len(out)), block, out.reshape(-1))
+
+
 WORD = 2**32 - 1
 
 # Random123, file kat_vectors: counter and key, output.
@@ -84,8 +91,9 @@ def _uniforms_of(key, stream, out):
 
 @numba.njit
 def _blocks_of(key, first_stream, out):
+    streams = np.arange(first_stream, first_stream + out.shape[1])
     for b in range(out.shape[0]):
-        fill_normals(key, first_stream, b, out[b])
+        fill_normals(key, streams, b, out[b].reshape(-1))
 
 
 @numba.njit
@@ -144,7 +152,7 @@ def test_fill_equals_normal(streams):
     key = np.uint64(episode_key(1, np.uint64(streams), np.uint64(0)))
     for first, block in [(0, 0), (17, 5), (2**31 - 600, 2**30 + 1)]:
         out = np.full((streams, 4), np.nan)
-        fill_normals(key, first, block, out)
+        fill(key, first, block, out)
         expected = [[normal(key, first + s, 4 * block + j) for j in range(4)] for s in range(streams)]
         expected = np.array(expected, dtype=np.float64).reshape(streams, 4)
         assert np.array_equal(out.view(np.int64), expected.view(np.int64))
@@ -153,7 +161,7 @@ def test_fill_equals_normal(streams):
 def test_compiled_equals_plain_python():
     code = (
         "import numpy as np; from rss_gym.physics.random import fill_normals;"
-        f"out = np.empty((300, 4)); fill_normals({int(KEY)}, 1000, 3, out);"
+        f"out = np.empty(1200); fill_normals(np.uint64({int(KEY)}), np.arange(1000, 1300), 3, out);"
         "print(out.tobytes().hex())"
     )
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
@@ -166,7 +174,7 @@ def test_compiled_equals_plain_python():
         check=True,
     )
     out = np.empty((300, 4))
-    fill_normals(KEY, 1000, 3, out)
+    fill(KEY, 1000, 3, out)
     assert result.stdout.strip() == out.tobytes().hex()
 
 

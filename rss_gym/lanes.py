@@ -1,0 +1,138 @@
+"""Rows in and out of the block: a row's records are copied to a lane (`records.BLOCK`), flown, and copied back."""
+
+import numpy as np
+
+from rss_gym.jit import inner
+from rss_gym.records import NODES, RANGE, ROWS
+
+
+@inner
+def choose(block, mask, i):
+    """Fill the block with the next rows of `mask`, from number `i` on. Returns where to go on."""
+    block.rows = 0
+    while i < len(mask) and block.rows < ROWS:
+        if mask[i]:
+            block.row[block.rows] = i
+            block.rows += 1
+        i += 1
+    return i
+
+
+@inner(forceinline=True)
+def owner(config, link):
+    """The aircraft whose link this is."""
+    return 1 + link if link < config.intruders else (link - config.intruders) // NODES
+
+
+@inner(forceinline=True)
+def load(world, r):
+    """Copy a row to lane r."""
+    config, block = world.config[0], world.block[0]
+    i = block.row[r]
+    e = world.episode[i]
+    block.tick[r] = e.tick
+    block.deviation_m[r], block.deviation_max_m[r], block.flown_m[r] = e.deviation_m, e.deviation_max_m, e.flown_m
+    load_channel(block, r, world.channels[e.channel])
+    for a in range(1 + e.intruders):
+        load_aircraft(world.aircraft_lanes[a], r, world.aircraft[i, a])
+    for k in range(e.intruders):
+        load_message(world.contact_lanes[k], r, world.contacts[i, k], config.track != RANGE)
+    for n in range(len(world.used)):
+        load_link(world.link_lanes[world.used[n]], r, world.links[i, world.used[n]])
+
+
+@inner(forceinline=True)
+def load_channel(block, r, channel):
+    """Copy the channel of a row to lane r."""
+    block.path_loss_factor[r], block.offset_dbm[r] = channel.path_loss_factor, channel.offset_dbm
+    block.white_std_db[r], block.white_variance_db2[r] = channel.white_std_db, channel.white_variance_db2
+    block.coloured_variance_db2[r], block.coloured_decay[r] = channel.coloured_variance_db2, channel.coloured_decay
+    block.coloured_drive_db[r], block.sensitivity_dbm[r] = channel.coloured_drive_db, channel.sensitivity_dbm
+
+
+@inner(forceinline=True)
+def load_aircraft(lanes, r, craft):
+    """Copy an aircraft to lane r."""
+    lanes.held_s[r], lanes.hover_until_s[r] = craft.held_s, craft.hover_until_s
+    lanes.barometer_error_m[r], lanes.datum_error_m[r] = craft.barometer_error_m, craft.datum_error_m
+    lanes.solution_std_m[r] = craft.solution_std_m
+    for axis in range(3):
+        lanes.position_m[axis, r] = craft.position_m[axis]
+        lanes.velocity_mps[axis, r] = craft.velocity_mps[axis]
+        lanes.gust_mps[axis, r] = craft.gust_mps[axis]
+        lanes.way_point_m[axis, r] = craft.way_point_m[axis]
+        lanes.planned_m[axis, r] = craft.planned_m[axis]
+        lanes.gnss_error_m[axis, r] = craft.gnss_error_m[axis]
+        lanes.velocity_error_mps[axis, r] = craft.velocity_error_mps[axis]
+        lanes.drift_m[axis, r] = craft.drift_m[axis]
+        lanes.solution_m[axis, r] = craft.solution_m[axis]
+        lanes.solution_mps[axis, r] = craft.solution_mps[axis]
+    load_leg(lanes, r, craft)
+
+
+@inner(forceinline=True)
+def load_leg(lanes, r, craft):
+    """Copy the leg that an aircraft flies to lane r."""
+    leg = craft.leg
+    lanes.leg_s[r] = craft.path_s[leg]
+    lanes.turn_s[r] = craft.path_s[leg + 1] if leg + 2 < craft.path_points else np.inf
+    for axis in range(3):
+        lanes.leg_m[axis, r] = craft.path_m[leg, axis]
+        lanes.planned_mps[axis, r] = craft.planned_mps[axis]
+        lanes.along[axis, r] = craft.along[axis]
+
+
+@inner(forceinline=True)
+def load_message(lanes, r, contact, positions):
+    """Copy the message held to lane r, where messages carry `positions`."""
+    lanes.known[r] = 1.0 if contact.warning and contact.valid and positions else 0.0
+    lanes.std_m[r] = contact.std_m
+    for axis in range(3):
+        lanes.position_m[axis, r] = contact.position_m[axis]
+        lanes.velocity_mps[axis, r] = contact.velocity_mps[axis]
+
+
+@inner(forceinline=True)
+def load_link(lanes, r, link):
+    """Copy a link to lane r."""
+    lanes.coloured_db[r], lanes.wander[r] = link.coloured_db, link.wander
+    lanes.range_m[r], lanes.coloured_hat_db[r] = link.range_m, link.coloured_hat_db
+    lanes.p_dd[r], lanes.p_dp[r], lanes.p_pp[r] = link.p_dd, link.p_dp, link.p_pp
+    lanes.rate_mps[r] = link.rate_mps
+
+
+@inner(forceinline=True)
+def store(world, r):
+    """Copy lane r to its row. Contacts and events are written where they happen."""
+    config, block = world.config[0], world.block[0]
+    i = block.row[r]
+    e = world.episode[i]
+    e.deviation_m, e.deviation_max_m, e.flown_m = block.deviation_m[r], block.deviation_max_m[r], block.flown_m[r]
+    for a in range(1 + e.intruders):
+        store_aircraft(world.aircraft[i, a], world.aircraft_lanes[a], r)
+    for n in range(len(world.used)):
+        if owner(config, world.used[n]) <= e.intruders:
+            store_link(world.links[i, world.used[n]], world.link_lanes[world.used[n]], r)
+
+
+@inner(forceinline=True)
+def store_aircraft(craft, lanes, r):
+    """Copy lane r to an aircraft."""
+    craft.held_s, craft.solution_std_m = lanes.held_s[r], lanes.solution_std_m[r]
+    for axis in range(3):
+        craft.position_m[axis] = lanes.position_m[axis, r]
+        craft.velocity_mps[axis] = lanes.velocity_mps[axis, r]
+        craft.way_point_m[axis] = lanes.way_point_m[axis, r]
+        craft.planned_m[axis] = lanes.planned_m[axis, r]
+        craft.drift_m[axis] = lanes.drift_m[axis, r]
+        craft.solution_m[axis] = lanes.solution_m[axis, r]
+        craft.solution_mps[axis] = lanes.solution_mps[axis, r]
+
+
+@inner(forceinline=True)
+def store_link(link, lanes, r):
+    """Copy lane r to a link."""
+    link.coloured_db = lanes.coloured_db[r]
+    link.range_m, link.coloured_hat_db = lanes.range_m[r], lanes.coloured_hat_db[r]
+    link.p_dd, link.p_dp, link.p_pp = lanes.p_dd[r], lanes.p_dp[r], lanes.p_pp[r]
+    link.rate_mps = lanes.rate_mps[r]

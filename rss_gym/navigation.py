@@ -1,0 +1,88 @@
+"""Navigation solutions of a block of rows; every loop runs over the lanes of the block."""
+
+from rss_gym.jit import inner
+from rss_gym.positioning import closed_form, fix_std_m, gauss_newton
+from rss_gym.records import DEAD_RECKONING, GNSS, NODES
+
+GAUSS_NEWTON_STEPS = 3
+
+
+@inner(forceinline=True)
+def localisation(config, a):
+    """How aircraft `a` knows its position."""
+    return config.agent_localisation if a == 0 else config.intruder_localisation
+
+
+@inner
+def navigate(config, block, craft, mode):
+    """One tick of the solution; an `rss` solution is dead-reckoned between its fixes."""
+    s, sv, u, v, drift, t = (
+        craft.solution_m, craft.solution_mps, craft.position_m, craft.velocity_mps, craft.drift_m, config.tick_s,
+    )  # fmt: skip
+    for axis in range(3):
+        scale = config.gnss_m if axis < 2 else config.gnss_vertical_m
+        for r in range(block.rows):
+            sv[axis, r] = v[axis, r] + craft.gust_mps[axis, r] + craft.velocity_error_mps[axis, r]
+            if mode == GNSS:
+                s[axis, r] = u[axis, r] + scale * craft.gnss_error_m[axis, r]
+            elif mode == DEAD_RECKONING:
+                drift[axis, r] += craft.velocity_error_mps[axis, r] * t
+                s[axis, r] = u[axis, r] + drift[axis, r]
+            else:
+                s[axis, r] += sv[axis, r] * t
+
+
+@inner
+def assess(config, block, craft, mode):
+    """Uncertainty of the solution, once a decision; for `rss` after a fix by the nodes that were chosen."""
+    if mode == GNSS:
+        for r in range(block.rows):
+            craft.solution_std_m[r] = config.gnss_m
+    elif mode == DEAD_RECKONING:
+        for r in range(block.rows):
+            craft.solution_std_m[r] = config.drift_mps * block.tick[r] * config.tick_s
+    else:
+        fix(block, craft)
+
+
+@inner
+def choose_nodes(config, block, links, first):
+    """The strongest signals come from the nearest nodes: leave the farthest out (Sec. IX-A)."""
+    for r in range(block.rows):
+        farthest = 0
+        for j in range(1, NODES):
+            if links[first + j].range_m[r] > links[first + farthest].range_m[r]:
+                farthest = j
+        n = 0
+        for j in range(NODES):
+            if j != farthest:
+                node, link = config.nodes_m[j], links[first + j]
+                block.node_x_m[n, r], block.node_y_m[n, r], block.node_z_m[n, r] = node[0], node[1], node[2]
+                block.node_range_m[n, r], block.node_weight_pm2[n, r] = link.range_m[r], 1.0 / link.p_dd[r]
+                n += 1
+
+
+@inner(forceinline=True)
+def chosen_nodes(block, r):
+    """Positions, ranges and weights of the three nodes of lane r."""
+    x, y, z = block.node_x_m, block.node_y_m, block.node_z_m
+    d, w = block.node_range_m, block.node_weight_pm2
+    nodes = (x[0, r], y[0, r], z[0, r]), (x[1, r], y[1, r], z[1, r]), (x[2, r], y[2, r], z[2, r])
+    return nodes, (d[0, r], d[1, r], d[2, r]), (w[0, r], w[1, r], w[2, r])
+
+
+@inner
+def fix(block, craft):
+    """`positioning.trilaterate`, a step of all lanes at a time."""
+    s = craft.solution_m
+    for r in range(block.rows):
+        s[2, r] = craft.position_m[2, r] + craft.barometer_error_m[r] + craft.datum_error_m[r]
+        nodes, ranges, _ = chosen_nodes(block, r)
+        s[0, r], s[1, r] = closed_form(nodes, ranges, s[2, r])
+    for _ in range(GAUSS_NEWTON_STEPS):
+        for r in range(block.rows):
+            nodes, ranges, weights = chosen_nodes(block, r)
+            s[0, r], s[1, r] = gauss_newton(nodes, ranges, weights, s[0, r], s[1, r], s[2, r])
+    for r in range(block.rows):
+        nodes, ranges, weights = chosen_nodes(block, r)
+        craft.solution_std_m[r] = fix_std_m(nodes, ranges, weights, s[0, r], s[1, r], s[2, r])
