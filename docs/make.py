@@ -12,8 +12,8 @@ from rss_gym.eval.records import versions
 from rss_gym.eval.text import cell
 
 ROOT = Path(__file__).resolve().parent.parent
-EPISODES, SEED, WORKERS = 20_000, 0, 2
-SHOWN_SEED, SHOWN_S = 5, 32.0
+EPISODES, SEED, WORKERS = 100_000, 0, 2
+SHOWN_SEED, SHOWN_S = 5, 37.0
 POLICIES = [
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (20, 40, 60, 80, 120)),
@@ -35,7 +35,7 @@ COLUMNS = {
 
 def picture() -> None:
     """One frame of the rule in flight."""
-    policy = baselines.make("orthogonal:radius_m=40")
+    policy = baselines.make("orthogonal:radius_m=60")
     env = gym.make("rss_gym/Encounter-v0", params=policy.world, render_mode="rgb_array")
     observation, _ = env.reset(seed=SHOWN_SEED)
     state = None
