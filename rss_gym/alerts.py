@@ -10,8 +10,9 @@ from rss_gym.safety import STD_TO_80_PERCENT, violates, zone_radius_m
 
 
 @inner(forceinline=True)
-def witness(config, e, lanes, r):
+def witness(config, block, e, lanes, link, r):
     """Events of the tick between the agent and an intruder, on lane r."""
+    block.nearest_squared_m2[r] = min(block.nearest_squared_m2[r], link.distance_squared_m2[r])
     if lanes.least_m[r] < e.min_separation_m:
         e.min_separation_m, e.closest_s = lanes.least_m[r], (e.tick - 1) * config.tick_s + config.tick_s
     square = lanes.least_squared_m2[r]
@@ -26,38 +27,47 @@ def witness(config, e, lanes, r):
 
 
 @inner(forceinline=True)
-def warn(config, e, contact, path, agent, craft, link, lanes, r):
-    """Open or close the warning of an intruder by (29) with hysteresis; while it is open a message arrives.
-
-    `contact` and `path` (the intruder's aircraft record) are of the row, the others are lanes.
-    """
-    range_m = link.range_m[r]
+def alert(config, e, contact, path, agent, craft, lanes, link, r):
+    """Warning and message of an intruder after a tick; `contact` and `path` (its aircraft) are records of the row."""
+    warned = contact.warning
     if config.zone_adaptive:
         contact.radius_m = adaptive_radius_m(config, contact, agent, link, r)
+    warn(config, contact, link.range_m[r])
+    lanes.known[r] = 0.0
+    if contact.warning:
+        if config.track == RANGE and not contact.hovered:
+            contact.hovered, path.hover_until_s = True, e.tick * config.tick_s + config.hover_s
+            craft.hover_until_s[r] = path.hover_until_s
+        tell(contact, path, craft, r, config.track != RANGE)
+        load_message(lanes, r, contact, config.track != RANGE)
+    judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
+
+
+@inner(forceinline=True)
+def warn(config, contact, range_m):
+    """Open or close a warning by (29) with hysteresis."""
     violated = violates(range_m, contact.radius_m)
     contact.streak = contact.streak + 1 if violated else 0
     near = violates(range_m, config.warning_close_ratio * contact.radius_m)
     contact.clear_s = 0.0 if near else contact.clear_s + config.tick_s
+    contact.age_s += config.tick_s
     if violated:
         contact.warning = True
     elif contact.warning and contact.clear_s > config.warning_close_s:
         contact.warning = False
-    contact.age_s += config.tick_s
-    lanes.known[r] = 0.0
-    if not contact.warning:
-        return
-    if config.track == RANGE and not contact.hovered:
-        contact.hovered, path.hover_until_s = True, e.tick * config.tick_s + config.hover_s
-        craft.hover_until_s[r] = path.hover_until_s
+
+
+@inner(forceinline=True)
+def tell(contact, path, craft, r, positions):
+    """A message arrives: the sender's own solution and, with `positions`, where it is and its next way point."""
     contact.valid, contact.age_s, contact.std_m = True, 0.0, craft.solution_std_m[r]
     for axis in range(3):
         contact.velocity_mps[axis] = craft.solution_mps[axis, r]
-        if config.track != RANGE:
+        if positions:
             contact.position_m[axis] = craft.solution_m[axis, r]
             # The next way point, displaced as the sender's own solution is.
             ahead_m = path.path_m[path.leg + 1, axis] - craft.position_m[axis, r]
             contact.way_point_m[axis] = craft.solution_m[axis, r] + ahead_m
-    load_message(lanes, r, contact, config.track != RANGE)
 
 
 @inner(forceinline=True)
@@ -73,13 +83,13 @@ def adaptive_radius_m(config, contact, agent, link, r):
 
 
 @inner(forceinline=True)
-def judge(config, e, contact, link, r, warned_before):
+def judge(config, e, contact, distance_squared_m2, range_m, warned_before):
     """Compare the warning with the true separation: first warning, false alerts, missed detections."""
-    inside = link.distance_squared_m2[r] <= config.radius_m * config.radius_m
+    inside = distance_squared_m2 <= config.radius_m * config.radius_m
     if contact.warning and not warned_before:
         if e.warned_s < 0.0:
             e.warned_s = e.tick * config.tick_s
         if not inside:
             e.false_alerts += 1
-    contact.missed = contact.missed + 1 if inside and link.range_m[r] > config.radius_m else 0
+    contact.missed = contact.missed + 1 if inside and range_m > config.radius_m else 0
     e.missed = max(e.missed, contact.missed)

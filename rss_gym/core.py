@@ -71,7 +71,6 @@ class Batch:
         self.seeds = np.zeros(n, np.uint64)
         self.numbers = np.zeros(n, np.uint64)  # of the next episode
         self.started = np.zeros(n, bool)
-        self._still = np.zeros((n, 3))
         self._layout = (params.encounter.planar, params.interface.track != "range")
 
     @property
@@ -92,7 +91,10 @@ class Batch:
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
-        failed = self._run(mask, True, self._still)
+        failed = world.start(
+            self.world, self.own, self.others, *self._layout, mask, self.split, self.seeds, self.numbers,
+            self.observations,
+        )  # fmt: skip
         if failed >= 0:
             raise ParamsError(
                 f"no encounter of families {self.params.encounter.families!r} meets the limits on closing speed, time "
@@ -104,14 +106,7 @@ class Batch:
 
     def step(self, actions: np.ndarray, skip: np.ndarray) -> None:
         """Fly one decision in the rows that are not in `skip`; `actions` (n, 3) in [-1, 1] along, right, up."""
-        self._run(~skip, False, actions)
-
-    def _run(self, mask: np.ndarray, fresh: bool, actions: np.ndarray) -> int:
-        failed = world.run(
-            self.world, self.own, self.others, *self._layout, mask, fresh, self.split, self.seeds, self.numbers,
-            actions, self.observations, self.rewards,
-        )  # fmt: skip
-        return int(failed)
+        world.decide(self.world, self.own, self.others, *self._layout, skip, actions, self.observations, self.rewards)
 
     def info(self, name: str) -> np.ndarray:
         """A copy of one column of `INFO`, or `is_success`."""

@@ -18,7 +18,8 @@ __all__ = ["announce", "cache_dir", "inner", "kernel"]
 
 # Parts of this package that hold no kernel and that none calls (tested): an edit there need not compile anything.
 _WITHOUT_KERNELS = {("eval",), ("train",), ("render",), ("cli.py",), ("listing.py",)}
-_OPTIONS = {"cache": True, "fastmath": False, "error_model": "numpy"}
+# The entry point for C is of no use here and takes time to compile.
+_OPTIONS = {"cache": True, "fastmath": False, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def _candidates():
@@ -133,6 +134,8 @@ def kernel(function=None, **options):
 def inner(function=None, **options):
     """Compile a function that only other kernels call.
 
-    It is not kept on disk and cannot be called from Python, which makes compiling it cheaper.
+    It is not kept on disk and has no entry point for Python, which makes compiling it cheaper; calling it from Python
+    ends the process. A small kernel that tests call too is best a ``kernel(inline="always")``. What is called for every
+    row where arrays are at hand must be ``forceinline=True``, or Numba counts references there at every call.
     """
-    return kernel(function, cache=False, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+    return kernel(function, cache=False, no_cpython_wrapper=True, **options)

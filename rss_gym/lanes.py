@@ -7,11 +7,11 @@ from rss_gym.records import NODES, RANGE, ROWS
 
 
 @inner
-def choose(block, mask, i):
-    """Fill the block with the next rows of `mask`, from number `i` on. Returns where to go on."""
+def choose(block, mask, value, i):
+    """Fill the block with the next rows, from number `i` on, whose `mask` is `value`. Returns where to go on."""
     block.rows = 0
     while i < len(mask) and block.rows < ROWS:
-        if mask[i]:
+        if mask[i] == value:
             block.row[block.rows] = i
             block.rows += 1
         i += 1

@@ -83,15 +83,17 @@ def transmit(block, link):
 
 
 @inner
-def receive(config, channels, episode, block, s, link):
-    """Quantise the RSS and lose packets on link number `s`, where a channel does; a lost one is minus infinity."""
-    g = s if s < config.intruders else MAX_INTRUDERS + s - config.intruders
-    for r in range(block.rows):
-        e = episode[block.row[r]]
-        channel = channels[e.channel]
-        link.rss_dbm[r] = quantise(link.rss_dbm[r], channel.quantisation_db)
-        if channel.packet_loss > 0.0 and uniform(e.key, STREAM_LOSS + g, e.tick) < channel.packet_loss:
-            link.rss_dbm[r] = -np.inf
+def receive(config, channels, episode, block, links, used):
+    """Quantise the RSS and lose packets, where a channel does that; a lost one is minus infinity."""
+    for n in range(len(used)):
+        s = used[n]
+        g = s if s < config.intruders else MAX_INTRUDERS + s - config.intruders
+        for r in range(block.rows):
+            e, rss = episode[block.row[r]], links[s].rss_dbm
+            channel = channels[e.channel]
+            rss[r] = quantise(rss[r], channel.quantisation_db)
+            if channel.packet_loss > 0.0 and uniform(e.key, STREAM_LOSS + g, e.tick) < channel.packet_loss:
+                rss[r] = -np.inf
 
 
 @inner

@@ -2,7 +2,7 @@
 
 from rss_gym.jit import inner
 from rss_gym.positioning import closed_form, fix_std_m, gauss_newton
-from rss_gym.records import DEAD_RECKONING, GNSS, NODES
+from rss_gym.records import DEAD_RECKONING, GNSS, NODES, RSS
 
 GAUSS_NEWTON_STEPS = 3
 
@@ -33,16 +33,17 @@ def navigate(config, block, craft, mode):
 
 
 @inner
-def assess(config, block, craft, mode):
-    """Uncertainty of the solution, once a decision; for `rss` after a fix by the nodes that were chosen."""
-    if mode == GNSS:
-        for r in range(block.rows):
-            craft.solution_std_m[r] = config.gnss_m
-    elif mode == DEAD_RECKONING:
-        for r in range(block.rows):
-            craft.solution_std_m[r] = config.drift_mps * block.tick[r] * config.tick_s
-    else:
-        fix(block, craft)
+def assess(config, block, aircraft, links):
+    """Uncertainty of everybody's solution, once a decision; for `rss` also a fix by (1) from the strongest nodes."""
+    for a in range(1 + config.intruders):
+        craft, mode = aircraft[a], localisation(config, a)
+        if mode == RSS:
+            choose_nodes(config, block, links, config.intruders + NODES * a)
+            fix(block, craft)
+        else:
+            for r in range(block.rows):
+                drifted_m = config.drift_mps * block.tick[r] * config.tick_s
+                craft.solution_std_m[r] = config.gnss_m if mode == GNSS else drifted_m
 
 
 @inner

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rss_gym.jit import kernel
+from rss_gym.jit import inner, kernel
 from rss_gym.params import Params
 from rss_gym.physics.motion import clip
 
@@ -130,14 +130,14 @@ def bounds(params: Params) -> tuple[np.ndarray, np.ndarray]:
     return np.array([f.low for f in table], np.float32), np.array([f.high for f in table], np.float32)
 
 
-@kernel
+@inner
 def put(out, at, value, scale, low):
     """Write one scaled, clipped value; returns the next column."""
     out[at] = np.float32(clip(value / scale, low, LIMIT))
     return at + 1
 
 
-@kernel
+@inner
 def skip(out, at, columns):
     """Write zeros."""
     for column in range(at, at + columns):
@@ -145,7 +145,7 @@ def skip(out, at, columns):
     return at + columns
 
 
-@kernel
+@inner
 def put_vector(out, at, x, y, z, along, scale, planar):
     """Write a vector in the axes of the leg."""
     at = put(out, at, x * along[0] + y * along[1], scale, -LIMIT)
@@ -153,7 +153,7 @@ def put_vector(out, at, x, y, z, along, scale, planar):
     return at if planar else put(out, at, z, scale, -LIMIT)
 
 
-@kernel
+@inner
 def put_difference(out, at, to, start, along, scale, planar):
     """Write the vector from `start` to `to` in the axes of the leg."""
     return put_vector(out, at, to[0] - start[0], to[1] - start[1], to[2] - start[2], along, scale, planar)
@@ -162,7 +162,7 @@ def put_difference(out, at, to, start, along, scale, planar):
 @kernel
 def write(own, others, planar, positions, out):
     """Write the observation of one row into `out` (d,), in the order of `fields`."""
-    along, at = own.along, 0
+    along, at = own.along, np.int64(0)  # a literal would compile the writers twice
     at = put_difference(out, at, own.position_m, own.planned_m, along, OFFSET_M, planar)
     at = put_difference(out, at, own.way_point_m, own.planned_m, along, OFFSET_M, planar)
     v, turn = own.velocity_mps, own.turn_along

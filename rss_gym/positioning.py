@@ -5,7 +5,7 @@ from math import sqrt
 from rss_gym.jit import kernel
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def closed_form(nodes_m, ranges_m, altitude_m):
     """Horizontal position from three ranges and a known altitude: differences of (1), which are linear in x and y."""
     x0, y0 = nodes_m[0][0], nodes_m[0][1]
@@ -46,7 +46,7 @@ def normal_equations(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m):
     return nxx + damping, nxy, nyy + damping, ax + bx + cx, ay + by + cy
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def gauss_newton(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m):
     """One Gauss-Newton step of the weighted least squares of (1)."""
     nxx, nxy, nyy, gx, gy = normal_equations(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m)
@@ -54,14 +54,14 @@ def gauss_newton(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m):
     return x_m + (nyy * gx - nxy * gy) / det, y_m + (nxx * gy - nxy * gx) / det
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def fix_std_m(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m):
     """Standard deviation per axis of the solution."""
     nxx, nxy, nyy, _, _ = normal_equations(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m)
     return sqrt(0.5 * (nxx + nyy) / (nxx * nyy - nxy * nxy))
 
 
-@kernel
+@kernel(inline="always")
 def trilaterate(nodes_m, ranges_m, variances_m2, altitude_m, steps):
     """Horizontal position from three ranges and a known altitude: weighted least squares of (1) by Gauss-Newton.
 

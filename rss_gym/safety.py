@@ -6,13 +6,13 @@ from rss_gym.jit import kernel
 STD_TO_80_PERCENT = 1.2815515655446004
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def zone_radius_m(range_error_m, range_error_probability, speed_relative_mps, reaction_s, trials):
     """S of (40): (delta / P(delta) + |v| t_r) n_d."""
     return (range_error_m / range_error_probability + speed_relative_mps * reaction_s) * trials
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def violates(range_m, radius_m):
     """(29): a warning is due."""
     return range_m <= radius_m

@@ -7,7 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from rss_gym.jit import kernel
+from rss_gym.jit import inner, kernel
 from rss_gym.physics.geometry import assign
 from rss_gym.records import ORACLE
 
@@ -52,7 +52,7 @@ def sense_row(world, i, own, others):
             reveal(own, other, agent, world.aircraft[i, 1 + k], link, gamma)
 
 
-@kernel(forceinline=True)
+@inner(forceinline=True)
 def reveal(own, other, agent, craft, link, gamma):
     """Track `oracle`: replace every estimate by the truth."""
     square = rate = 0.0

@@ -9,13 +9,13 @@ from math import sqrt
 
 import numpy as np
 
-from rss_gym.alerts import judge, warn, witness
+from rss_gym.alerts import alert, witness
 from rss_gym.encounters.sampler import draw
 from rss_gym.flight import command, follow_plan, measure, meet, move, plan, steer
 from rss_gym.jit import inner, kernel
 from rss_gym.lanes import choose, load, load_leg, owner, store
 from rss_gym.links import estimate, face_intruder, face_node, receive, start_filter, transmit
-from rss_gym.navigation import assess, choose_nodes, localisation, navigate
+from rss_gym.navigation import assess, localisation, navigate
 from rss_gym.observation import write
 from rss_gym.params import MAX_INTRUDERS
 from rss_gym.physics.geometry import assign, zero
@@ -26,69 +26,106 @@ from rss_gym.sensing import sense_row
 
 
 @kernel
-def run(world, own, others, planar, positions, mask, fresh, split, seeds, numbers, actions, observations, rewards):
-    """Start an episode (`fresh`) or fly a decision in the rows of `mask`, and write their observations.
+def start(world, own, others, planar, positions, mask, split, seeds, numbers, observations):
+    """Start the given episodes in the rows of `mask`, a block at a time, and write their observations.
 
-    Parameters
-    ----------
-    world : World
-    own, others : arrays of OWN (n,) and OTHER (n, K)
-        What each agent knows; overwritten.
-    planar, positions : bool
-        Layout of the observation.
-    mask : (n,) bool array
-    fresh : bool
-    split, seeds, numbers : (n,) arrays
-        The episodes to start.
-    actions : (n, 3) array
-        In [-1, 1]: along, right, up.
-    observations, rewards : (n, d) float32 array, (n,) array
-        Overwritten.
-
-    Returns
-    -------
-    int
-        The first row whose encounter could not be drawn, -1 if all could.
+    The first measurement, solution and warning exist before the first decision. Returns the first row whose encounter
+    could not be drawn, -1 if all could.
     """
     config, block, i = world.config[0], world.block[0], 0
-    ticks = 0 if fresh else config.ticks_per_decision
+    aircraft, contacts, links = world.aircraft_lanes, world.contact_lanes, world.link_lanes
     while i < len(mask):
-        i = choose(block, mask, i)
+        i = choose(block, mask, True, i)
         for r in range(block.rows):
             row = block.row[r]
-            if fresh:
-                reset_row(world, row, split[row], seeds[row], numbers[row])
-                if world.episode[row].family < 0:
-                    return row
-            else:
-                drift(world, row)
+            reset_row(world, row, split[row], seeds[row], numbers[row])
+            if world.episode[row].family < 0:
+                return row
             load(world, r)
-            begin(block, world.aircraft_lanes[0], r, actions[row])
-        if fresh:
-            listen(world, fresh)
-        for tick in range(ticks):
-            fly(world)
-            listen(world, fresh)
-            for r in range(block.rows):
-                if block.flown[r] > tick:
-                    note(world, r)
+            load_normals(world, r)
+        listen(config, block, aircraft, contacts, links, world.used)
+        if config.lossy:
+            receive(config, world.channels, world.episode, block, links, world.used)
+        for n in range(len(world.used)):
+            start_filter(config, block, links[world.used[n]], world.used[n] >= config.intruders)
+        assess(config, block, aircraft, links)
         for r in range(block.rows):
-            if block.flown[r] < ticks:
-                load(world, r)  # it stays where it collided; its lane went on without it
-        for a in range(1 + config.intruders):
-            if localisation(config, a) == RSS:
-                choose_nodes(config, block, world.link_lanes, config.intruders + NODES * a)
-            assess(config, block, world.aircraft_lanes[a], localisation(config, a))
-        for r in range(block.rows):
-            row = block.row[r]
-            if fresh:
-                alert(world, r)
+            alert_row(world, r)
             store(world, r)
-            if not fresh:
-                rewards[row] = conclude(config, block, world.episode[row], world.aircraft_lanes[0], r)
-            sense_row(world, row, own[row], others[row])
-            write(own[row], others[row], planar, positions, observations[row])
+        show(world, own, others, planar, positions, observations)
     return -1
+
+
+@kernel
+def decide(world, own, others, planar, positions, skip, actions, observations, rewards):
+    """Fly a decision in the rows that are not in `skip`, a block at a time, and write their observations.
+
+    `actions` (n, 3) are in [-1, 1]: along, right, up.
+    """
+    config, block, i = world.config[0], world.block[0], 0
+    aircraft, contacts, links = world.aircraft_lanes, world.contact_lanes, world.link_lanes
+    while i < len(skip):
+        i = choose(block, skip, False, i)
+        for r in range(block.rows):
+            drift(world, block.row[r])
+            load(world, r)
+            begin(block, aircraft[0], r, actions[block.row[r]])
+        for tick in range(config.ticks_per_decision):
+            for r in range(block.rows):
+                e = world.episode[block.row[r]]
+                if not e.collision:  # a row stays where it collided, though its lane goes on
+                    e.tick += 1
+                    block.tick[r], block.flown[r] = e.tick, tick + 1
+                    for a in range(1 + e.intruders):
+                        keep_time(config, e, world.aircraft[block.row[r], a], aircraft[a], r)
+                    load_normals(world, r)
+            fly(config, block, aircraft, contacts)
+            listen(config, block, aircraft, contacts, links, world.used)
+            if config.lossy:
+                receive(config, world.channels, world.episode, block, links, world.used)
+            for n in range(len(world.used)):
+                estimate(config, block, links[world.used[n]])
+            for r in range(block.rows):
+                e = world.episode[block.row[r]]
+                if block.flown[r] == tick + 1:
+                    for k in range(e.intruders):
+                        witness(config, block, e, contacts[k], links[k], r)
+                    alert_row(world, r)
+                    if e.collision:
+                        store(world, r)
+        for r in range(block.rows):
+            if block.flown[r] < config.ticks_per_decision:
+                load(world, r)
+        assess(config, block, aircraft, links)
+        for r in range(block.rows):
+            store(world, r)
+            rewards[block.row[r]] = conclude(config, block, world.episode[block.row[r]], aircraft[0], r)
+        show(world, own, others, planar, positions, observations)
+
+
+@inner(forceinline=True)
+def alert_row(world, r):
+    """Warnings and messages of lane r."""
+    config, i, lanes = world.config[0], world.block[0].row[r], world.aircraft_lanes
+    e = world.episode[i]
+    for k in range(e.intruders):
+        contact, craft, told, link = (
+            world.contacts[i, k],
+            world.aircraft[i, 1 + k],
+            world.contact_lanes[k],
+            world.link_lanes[k],
+        )
+        alert(config, e, contact, craft, lanes[0], lanes[1 + k], told, link, r)
+
+
+@inner
+def show(world, own, others, planar, positions, observations):
+    """Write the observations of the rows of the block."""
+    block = world.block[0]
+    for r in range(block.rows):
+        i = block.row[r]
+        sense_row(world, i, own[i], others[i])
+        write(own[i], others[i], planar, positions, observations[i])
 
 
 # -- reset ------------------------------------------------------------------------------------------------------------
@@ -190,33 +227,9 @@ def begin(block, agent, r, action):
 
 
 @inner(forceinline=True)
-def fly(world):
-    """Everybody flies for one tick, but in rows that have collided."""
-    config, block, aircraft = world.config[0], world.block[0], world.aircraft_lanes
-    for r in range(block.rows):
-        e = world.episode[block.row[r]]
-        if not e.collision:
-            e.tick += 1
-            block.tick[r] = e.tick
-            block.flown[r] += 1
-            for a in range(1 + e.intruders):
-                keep_time(config, aircraft[a], world.aircraft[block.row[r], a], r, (e.tick - 1) * config.tick_s)
-    for a in range(1 + config.intruders):
-        if a == 0:
-            command(config, block, aircraft[0])
-        else:
-            follow_plan(config, block, aircraft[a])
-        steer(config, block, aircraft[a])
-    for k in range(config.intruders):
-        meet(config, block, aircraft[0], aircraft[1 + k], world.contact_lanes[k])
-    for a in range(1 + config.intruders):
-        move(config, block, aircraft[a])
-    measure(config, block, aircraft[0])
-
-
-@inner(forceinline=True)
-def keep_time(config, lanes, craft, r, now_s):
+def keep_time(config, e, craft, lanes, r):
     """The clock of an aircraft on lane r, which stands still in a hover, and its leg."""
+    now_s = (e.tick - 1) * config.tick_s
     if now_s < lanes.hover_until_s[r]:
         lanes.held_s[r] += config.tick_s
     lanes.clock_s[r] = now_s + config.tick_s - lanes.held_s[r]
@@ -225,34 +238,8 @@ def keep_time(config, lanes, craft, r, now_s):
         load_leg(lanes, r, craft)
 
 
-@inner
-def listen(world, first):
-    """One tick of the radio and of the navigation solutions; the `first` one of an episode starts the filters."""
-    config, block = world.config[0], world.block[0]
-    aircraft, links = world.aircraft_lanes, world.link_lanes
-    for r in range(block.rows):
-        take_normals(world, r)
-    for a in range(1 + config.intruders):
-        mode = localisation(config, a)
-        if mode == RSS:
-            for j in range(NODES):
-                face_node(config, block, aircraft[a], config.nodes_m[j], links[config.intruders + NODES * a + j])
-        navigate(config, block, aircraft[a], mode)
-    for k in range(config.intruders):
-        face_intruder(config, block, aircraft[0], aircraft[1 + k], world.contact_lanes[k], links[k])
-    for n in range(len(world.used)):
-        s = world.used[n]
-        transmit(block, links[s])
-        if config.lossy:
-            receive(config, world.channels, world.episode, block, s, links[s])
-        if first:
-            start_filter(config, block, links[s], s >= config.intruders)
-        else:
-            estimate(config, block, links[s])
-
-
 @inner(forceinline=True)
-def take_normals(world, r):
+def load_normals(world, r):
     """Put the normals of the tick on lane r; they are drawn for four ticks at once."""
     i = world.block[0].row[r]
     e, slot = world.episode[i], world.episode[i].tick % 4
@@ -265,29 +252,34 @@ def take_normals(world, r):
 
 
 @inner(forceinline=True)
-def note(world, r):
-    """What the tick means for lane r."""
-    block = world.block[0]
-    e = world.episode[block.row[r]]
-    for k in range(e.intruders):
-        witness(world.config[0], e, world.contact_lanes[k], r)
-        square = world.link_lanes[k].distance_squared_m2[r]
-        block.nearest_squared_m2[r] = min(block.nearest_squared_m2[r], square)
-    alert(world, r)
-    if e.collision:
-        store(world, r)
+def fly(config, block, aircraft, contacts):
+    """Everybody flies for one tick."""
+    agent = aircraft[0]
+    command(config, block, agent)
+    for k in range(config.intruders):
+        follow_plan(config, block, aircraft[1 + k])
+    for a in range(1 + config.intruders):
+        steer(config, block, aircraft[a])
+    for k in range(config.intruders):
+        meet(config, block, agent, aircraft[1 + k], contacts[k])
+    for a in range(1 + config.intruders):
+        move(config, block, aircraft[a])
+    measure(config, block, agent)
 
 
-@inner(forceinline=True)
-def alert(world, r):
-    """Warnings and messages of lane r."""
-    config, i = world.config[0], world.block[0].row[r]
-    e, agent = world.episode[i], world.aircraft_lanes[0]
-    for k in range(e.intruders):
-        contact, link = world.contacts[i, k], world.link_lanes[k]
-        craft, lanes, warned = world.aircraft_lanes[1 + k], world.contact_lanes[k], contact.warning
-        warn(config, e, contact, world.aircraft[i, 1 + k], agent, craft, link, lanes, r)
-        judge(config, e, contact, link, r, warned)
+@inner
+def listen(config, block, aircraft, contacts, links, used):
+    """One tick of the radio, up to the RSS of every link, and of the navigation solutions."""
+    intruders = config.intruders
+    for a in range(1 + intruders):
+        if localisation(config, a) == RSS:
+            for j in range(NODES):
+                face_node(config, block, aircraft[a], config.nodes_m[j], links[intruders + NODES * a + j])
+        navigate(config, block, aircraft[a], localisation(config, a))
+    for k in range(intruders):
+        face_intruder(config, block, aircraft[0], aircraft[1 + k], contacts[k], links[k])
+    for n in range(len(used)):
+        transmit(block, links[used[n]])
 
 
 @inner(forceinline=True)

@@ -70,7 +70,7 @@ def test_setting_is_restored(monkeypatch):
     jit.kernel(inline="always")(lambda x: x)
     assert numba.config.CACHE_DIR == "before"
     assert all(folder not in ("", "before") for folder, _ in seen)
-    rules = {"cache": True, "fastmath": False, "error_model": "numpy"}
+    rules = {"cache": True, "fastmath": False, "error_model": "numpy", "no_cfunc_wrapper": True}
     assert [options for _, options in seen] == [rules, {**rules, "inline": "always"}]
 
 

@@ -9,7 +9,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from rss_gym.jit import kernel
+from rss_gym.jit import inner
 from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.geometry import least_square_separation
 from rss_gym.physics.random import uniform
@@ -21,7 +21,7 @@ DRAWS = 16  # uniforms reserved for one attempt of one intruder
 TURN_EARLIEST_S, TURN_LATEST_S = 20.0, 6.0  # before the closest approach
 
 
-@kernel
+@inner
 def signed(u, low, high):
     """A value of random sign with magnitude uniform in [low, high], from one uniform `u`."""
     if u < 0.5:
@@ -29,7 +29,7 @@ def signed(u, low, high):
     return low + (2.0 * u - 1.0) * (high - low)
 
 
-@kernel
+@inner
 def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, turn_s, turn_rad):
     """Predefined trajectory through (x, y, z) at `approach_s` with velocity (vx, vy), and one turn `turn_s` earlier.
 
@@ -54,7 +54,7 @@ def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, turn_s, turn_rad):
     aircraft.path_points = last + 1
 
 
-@kernel
+@inner
 def lay_script(law, agent, intruder, altitude_m, heading_rad):
     """Predefined trajectories of a hand-written encounter, turned to `heading_rad`."""
     c, s = cos(heading_rad), sin(heading_rad)
@@ -66,7 +66,7 @@ def lay_script(law, agent, intruder, altitude_m, heading_rad):
     lay_path(intruder, x, y, altitude_m + law.start_m[2], v * c + w * s, v * s - w * c, 0.0, end_s, 0.0, 0.0)
 
 
-@kernel
+@inner
 def approach_of(one, two, end_s):
     """Time of the closest approach of two straight predefined trajectories, within [0, end_s]."""
     ax, ay, az, avx, avy, avz = planned(one, 0, 0.0)
@@ -78,7 +78,7 @@ def approach_of(one, two, end_s):
     return min(max(-((bx - ax) * vx + (by - ay) * vy + (bz - az) * vz) / square, 0.0), end_s)
 
 
-@kernel(forceinline=True)
+@inner(forceinline=True)
 def planned(aircraft, leg, time_s):
     """u^d and its velocity at `time_s`, on leg number `leg`; beyond the last way point the last leg goes on."""
     p, t = aircraft.path_m, aircraft.path_s
@@ -89,7 +89,7 @@ def planned(aircraft, leg, time_s):
     return p[leg, 0] + vx * s, p[leg, 1] + vy * s, p[leg, 2] + vz * s, vx, vy, vz
 
 
-@kernel(forceinline=True)
+@inner(forceinline=True)
 def leg_at(aircraft, leg, time_s):
     """Number of the leg flown at `time_s`, searched from `leg` on."""
     while leg + 2 < aircraft.path_points and time_s >= aircraft.path_s[leg + 1]:
@@ -97,7 +97,7 @@ def leg_at(aircraft, leg, time_s):
     return leg
 
 
-@kernel
+@inner
 def least_planned_separation_m(one, two, end_s):
     """Least separation of two predefined trajectories over [0, end_s], exact on each pair of legs."""
     start_s, leg_one, leg_two, least = 0.0, 0, 0, np.inf
@@ -116,7 +116,7 @@ def least_planned_separation_m(one, two, end_s):
     return sqrt(least)
 
 
-@kernel
+@inner
 def start_separation_m(one, two):
     """Distance of the first way points of two predefined trajectories."""
     square = 0.0
@@ -126,7 +126,7 @@ def start_separation_m(one, two):
     return sqrt(square)
 
 
-@kernel
+@inner
 def choose_law(u, families):
     """Index of the family that one uniform `u` falls to, by the cumulative weights."""
     index = 0
@@ -135,7 +135,7 @@ def choose_law(u, families):
     return index
 
 
-@kernel
+@inner
 def miss(config, law, conflict, u, v):
     """Planned horizontal and vertical miss, m, signed, from two uniforms: small for a conflict, else the family's."""
     if conflict:
@@ -147,7 +147,7 @@ def miss(config, law, conflict, u, v):
     return horizontal, 0.0 if config.planar else vertical
 
 
-@kernel
+@inner
 def within_limits(config, agent, intruder, miss_squared_m2, end_s):
     """Whether two trajectories start at the right range and are never nearer than the planned miss."""
     start_m = start_separation_m(agent, intruder)
@@ -158,7 +158,7 @@ def within_limits(config, agent, intruder, miss_squared_m2, end_s):
     return least_planned_separation_m(agent, intruder, end_s) >= sqrt(miss_squared_m2) - 0.1
 
 
-@kernel
+@inner
 def draw(key, config, families, aircraft, intruders):
     """Lay the predefined trajectories of the agent (`aircraft[0]`) and of `intruders` intruders.
 

@@ -11,13 +11,13 @@ def assign(to, source):
     to[0], to[1], to[2] = source[0], source[1], source[2]
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def zero(to):
     """Set the three components of a vector to zero."""
     to[0] = to[1] = to[2] = 0.0
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def least_square_separation(x, y, z, vx, vy, vz, period_s):
     """Least |r + v t|^2 over 0 <= t <= period_s, m^2: r the relative position, v the relative velocity."""
     approach = -(x * vx + y * vy + z * vz)
@@ -29,7 +29,7 @@ def least_square_separation(x, y, z, vx, vy, vz, period_s):
     return x * x + y * y + z * z
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def enters_cylinder(x, y, z, vx, vy, vz, period_s, radius_m, half_height_m):
     """Whether at one instant of 0 <= t <= period_s the horizontal and the vertical separation are both too small."""
     # Vertical: |z + vz t| < half height.

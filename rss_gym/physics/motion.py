@@ -5,7 +5,7 @@ from math import sqrt
 from rss_gym.jit import kernel
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def clip(x, low, high):
     """`x` held within [low, high]."""
     return low if x < low else high if x > high else x
@@ -22,7 +22,7 @@ def limit(x, y, z, largest, largest_z):
     return x * scale, y * scale, z * scale
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def regulate(position_error_m, velocity_error_mps, position_gain_ps2, velocity_gain_ps):
     """Acceleration that minimises the integral of q e^2 + qv e'^2 + r a^2 for a double integrator: k1 e + k2 e'.
 

@@ -194,7 +194,7 @@ def _normal(key, stream, index):
     return _normal_from(key, stream, index, np.int64(_word(key, stream, index)))
 
 
-@kernel
+@kernel(inline="always")
 def normal(key, stream, index):
     """Standard normal number ``index`` of a stream.
 
@@ -215,7 +215,7 @@ def normal(key, stream, index):
     return _normal(np.uint64(key), np.int64(stream), np.int64(index))
 
 
-@kernel
+@kernel(inline="always")
 def uniform(key, stream, index):
     """Uniform number ``index`` of a stream.
 

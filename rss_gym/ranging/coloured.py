@@ -8,7 +8,7 @@ from rss_gym.physics.elementary import exp
 from rss_gym.physics.path_loss import LN10, received_dbm, slope_db_pm
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def start(prior_m, prior_std_m, coloured_variance_db2, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2):
     """The filter after its first sample: P(0) = diag(range prior, S), updated in ln d, where h is exactly linear.
 
@@ -29,7 +29,7 @@ def start(prior_m, prior_std_m, coloured_variance_db2, rss_dbm, offset_dbm, path
     return d, k_p * innovation, d * d * x_xx, d * x_xp, x_pp
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def predict(d, phi, p_dd, p_dp, p_pp, psi_m, process_noise_m2, a, sigma_w2):
     """(16)-(17) with A = diag(1, a), W = diag(1, a), Q = diag(process noise, sigma_w2^2).
 
@@ -52,7 +52,7 @@ def predict(d, phi, p_dd, p_dp, p_pp, psi_m, process_noise_m2, a, sigma_w2):
     return d + psi_m, a * phi, p_dd + process_noise_m2, a * p_dp, a * a * (p_pp + sigma_w2 * sigma_w2)
 
 
-@kernel(forceinline=True)
+@kernel(inline="always")
 def update(d, phi, p_dd, p_dp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2, floor_m):
     """(18)-(21), the covariance in Joseph form; the range is held above `floor_m`, where log d is defined."""
     h = slope_db_pm(path_loss_factor, d)  # the Jacobian is (h, 1)
