@@ -110,8 +110,9 @@ def _list(options: argparse.Namespace) -> None:
 
 def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import evaluate, records, report, text
+    from rss_gym.files import check_new
 
-    records.check_new(options.out)
+    check_new(options.out)
     _see_modules_here()
     names = ("channel", "track", "estimator", "families")
     changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
@@ -163,9 +164,10 @@ def _see_modules_here() -> None:
 
 def _demo(options: argparse.Namespace) -> None:
     from rss_gym.eval import evaluate, records, report, text
+    from rss_gym.files import check_new
 
     out = options.out or _unused("runs/demo")
-    records.check_new(out)
+    check_new(out)
     print(
         f"Flying {len(DEMO_POLICIES)} policies over the same {options.episodes} encounters on {options.workers} "
         "processes.",
