@@ -1,7 +1,7 @@
 """Navigation solutions of a block of rows; every loop runs over the lanes of the block."""
 
 from rss_gym.jit import inner
-from rss_gym.positioning import closed_form, fix_std_m, gauss_newton
+from rss_gym.positioning.trilateration import closed_form, fix_std_m, gauss_newton
 from rss_gym.records import DEAD_RECKONING, GNSS, NODES, RSS
 
 GAUSS_NEWTON_STEPS = 3
