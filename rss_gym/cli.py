@@ -86,6 +86,12 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
     command.set_defaults(run=_leaderboard)
 
+    command = commands.add_parser("paper", help="every figure and number of the paper, beside what comes out")
+    command.add_argument("--out", required=True, metavar="DIR", help="new folder for paper.json and index.html")
+    command.add_argument("--seed", type=int, default=0)
+    command.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
+    command.set_defaults(run=_paper)
+
     command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
@@ -153,6 +159,18 @@ def _leaderboard(options: argparse.Namespace) -> None:
     for note in site.notes:
         print(note)
     print(f"leaderboard: {site.page}")
+
+
+def _paper(options: argparse.Namespace) -> None:
+    from rss_gym.eval import paper
+    from rss_gym.files import check_new
+
+    check_new(options.out)
+    reproduction = paper.reproduce(paper.QUICK if options.quick else None, options.seed)
+    folder = paper.write(reproduction, options.out)
+    print(reproduction.summary)
+    print(f"numbers: {folder / paper.NUMBERS}")
+    print(f"page: {folder / paper.PAGE}")
 
 
 def _see_modules_here() -> None:

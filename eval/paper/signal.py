@@ -83,8 +83,7 @@ def allan(study: Study) -> Panel:
         Number(
             id="fig3-rise-paper", what=f"steepest slope at τ < {SHORT_S:g} s with coloured noise, preset paper", paper=0.0,
             **over(rises["preset paper"]), role="claim", relation="at least",
-            note="the paper's real data rise at short τ; this preset has as much white as coloured noise, which hides the rise: "
-            f"the curve only flattens; {runs}",
+            note=f"this preset has as much white as coloured noise, which hides most of the rise; {runs}",
         ),
         Number(
             id="fig3-rise-quadcopter", what=f"steepest slope at τ < {SHORT_S:g} s, preset quadcopter", paper=0.0,
@@ -101,8 +100,8 @@ def allan(study: Study) -> Panel:
         "Figure 3: Allan variance",
         drawing.markup,
         "White noise falls with slope −1; the real signal rises at short τ and lies above white noise at long τ.",
-        "White noise falls with slope −1. With the preset paper the curve flattens, with the noise of a real telemetry link it "
-        "rises as in the paper. Bands are the 95 % intervals (5)-(6) of one record of an hour.",
+        "White noise falls with slope −1. With the preset paper the curve flattens and rises a little, with the noise of a real "
+        "telemetry link it rises as in the paper. Bands are the 95 % intervals (5)-(6) of one record of an hour.",
         numbers,
     )
 
