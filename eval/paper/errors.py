@@ -15,7 +15,7 @@ from rss_gym.pages.figure import MUTED, figure
 READ = 0.1  # a figure read off a curve, "about 4 m", may be misread by a tenth
 BINS_M = np.arange(10.0, 60.0, 5.0)
 NEAR_M, FAR_M = (10.0, 25.0), (45.0, 60.0)
-MARK_S = 1.0  # between the samples marked on a path
+MARK_S = 4.0  # between the samples marked on a path
 
 
 def cdf(study: Study) -> Panel:
@@ -65,7 +65,7 @@ def paths(study: Study) -> Panel:
             for axes, x, y in ((above, east, north), (side, out, up)):
                 axes.plot(x, y, color=BLUE, linewidth=1.0, label=None if number else "flight")
                 axes.plot(
-                    x[::every], y[::every], "*", color=RED, markersize=2.5, label=None if number else "RSS, one a second shown"
+                    x[::every], y[::every], "*", color=RED, markersize=4.0, label=None if number else f"RSS, every {MARK_S:g} s"
                 )
         above.plot([0.0], [0.0], "^", color=MUTED, markersize=7.0, label="ground antenna")
         side.plot([0.0], [0.0], "^", color=MUTED, markersize=7.0, clip_on=False)
@@ -100,9 +100,9 @@ def distance(study: Study) -> Panel:
                 elinewidth=0.8, label=label,
             )  # fmt: skip
         left.plot(log.time_s, flight.distance_m, color=MUTED, linestyle="--", label="true")
-        left.set(xlabel="time, s", ylabel="distance, m", xlim=(0.0, log.time_s[-1]), ylim=(0.0, 150.0))
+        left.set(xlabel="time, s", ylabel="distance, m", xlim=(0.0, log.time_s[-1]), ylim=(0.0, 190.0))
         right.set(xlabel="true distance, m", ylabel="error within which 80 % lie, m", xlim=(8.0, 62.0), ylim=(0.0, None))
-        left.legend(loc="upper right")
+        left.legend(loc="upper left", ncols=2)
         right.legend(loc="upper left")
     numbers = tuple(
         Number(

@@ -11,6 +11,7 @@ from rss_gym.eval.paper.number import Number, counts
 from rss_gym.eval.paper.panel import Panel
 from rss_gym.eval.paper.study import METHODS, Study
 from rss_gym.eval.records import versions
+from rss_gym.eval.report.numbers import MINUS
 from rss_gym.eval.report.numbers import number as shown
 from rss_gym.eval.report.tables import scrolled
 from rss_gym.pages.page import Section, render, text
@@ -18,10 +19,10 @@ from rss_gym.pages.page import Section, render, text
 TITLE = "The paper's figures and numbers"
 SIGNS = {"equals": "", "at least": "≥ ", "at most": "≤ "}
 HEADS = ("what", "paper", "measured", "agrees", "role", "note")
-ROLES = {
-    "reproduced": "numbers computed anew",
-    "claim": "claims in words, each with a criterion",
-    "by construction": "numbers that follow from how they are counted",
+PHRASES = {
+    "reproduced": "numbers computed anew agree",
+    "claim": "claims in words hold by their criteria",
+    "by construction": "numbers agree by construction",
 }
 
 
@@ -45,9 +46,8 @@ def markup(study: Study, panels: Sequence[Panel]) -> str:
 def summary(numbers: Sequence[Number]) -> str:
     """How many agree, in one sentence for each role."""
     tally = counts(numbers)
-    parts = [f"{good} of {total} {ROLES[role]} agree" for role, (good, total) in tally.items() if total]
-    calibrated = sum(number.role == "calibrated" for number in numbers)
-    return f"{'; '.join(parts)}; {calibrated} used to choose the channel counts nowhere."
+    parts = [f"{good} of {total} {PHRASES[role]}" for role, (good, total) in tally.items() if total]
+    return ", ".join(parts) + "; what was used to choose the channel is not counted."
 
 
 def markdown(numbers: Sequence[Number]) -> str:
@@ -62,16 +62,21 @@ def _cells(number: Number) -> tuple[str, ...]:
     verdict = {True: "yes", False: "no", None: "–"}[number.agrees]
     unit = f" {number.unit}" if number.unit else ""
     paper = f"{SIGNS[number.relation]}{_plain(number.paper)}"
-    if number.tolerance > 1e-6 * abs(number.paper) and number.tolerance > 1e-8:
-        paper += f" ± {_plain(number.tolerance)}"
-    measured = f"{_plain(number.measured)}{_interval(number)}"
+    if number.tolerance > 0.0:
+        paper += f" ± {_plain(number.tolerance, 1)}"
+    measured = f"{_measured(number)}{_interval(number)}"
     return number.what, paper + unit, measured + unit, verdict, number.role, number.note
 
 
-def _plain(value: float) -> str:
-    """Up to four digits, without trailing zeros."""
-    rounded = float(f"{value:.4g}")
-    return f"{rounded:g}" if rounded == round(rounded, 2) and abs(rounded) < 1e6 else shown(value)
+def _plain(value: float, digits: int = 4) -> str:
+    """To so many digits, without trailing zeros."""
+    if value == 0.0 or 1e-3 <= abs(value) < 10.0**digits:
+        return f"{value:.{digits}g}".replace("-", MINUS)
+    return shown(value, min(digits, 3))
+
+
+def _measured(number: Number) -> str:
+    return _plain(number.measured) if number.low == number.high else shown(number.measured)
 
 
 def _interval(number: Number) -> str:
@@ -94,11 +99,11 @@ def _table(numbers: Sequence[Number]) -> str:
         what, paper, _, verdict, role, note = map(text, _cells(number))
         unit = f" {text(number.unit)}" if number.unit else ""
         measured = (
-            f'<td data-value="{number.measured!r}"><span class="value">{_plain(number.measured)}{unit}</span>'
+            f'<td data-value="{number.measured!r}"><span class="value">{_measured(number)}{unit}</span>'
             f'<span class="interval">{_interval(number)}</span></td>'
         )
         words = "".join(f'<td class="words">{cell}</td>' for cell in (f"<strong>{verdict}</strong>", role, note))
-        rows += f'<tr id="{text(number.id)}"><th scope="row">{what}</th><td>{paper}</td>{measured}{words}</tr>\n'
+        rows += f'<tr id="{text(number.id)}"><th scope="row">{what}</th><td><span class="value">{paper}</span></td>{measured}{words}</tr>\n'
     return scrolled(f"<table><thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table>")
 
 
