@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rss_gym.checks import finite, single
+from rss_gym.checks import finite, single, together
 from rss_gym.params import ParamsError
 
 
@@ -23,7 +23,7 @@ def test_the_argument_is_not_touched():
 
 @pytest.mark.parametrize("value", [None, "3", True, [True], 1j, [1.0, None], [[1.0], [1.0, 2.0]], {}])
 def test_what_is_no_number(value):
-    with pytest.raises(ParamsError, match="^x_m must be a number or an array of numbers, got "):
+    with pytest.raises(ParamsError, match=r"^x_m must be a number or an array of numbers, got "):
         finite("x_m", value)
 
 
@@ -38,3 +38,12 @@ def test_the_first_wrong_value_is_named(value, shown):
 def test_one_number_is_no_array():
     with pytest.raises(ParamsError, match=r"^x_m must be one number, got an array of shape \(1,\)$"):
         single("x_m", [3.0])
+
+
+def test_together_broadcasts_or_names_the_shapes():
+    a, b = together(a_m=(np.ones((2, 1)), 0.0), b_m=([1, 2, 3],))
+    assert a.shape == b.shape == (2, 3)
+    with pytest.raises(ParamsError, match=r"must broadcast against each other, got a_m \(2,\), b_m \(3,\)$"):
+        together(a_m=([1, 2],), b_m=([1, 2, 3],))
+    with pytest.raises(ParamsError, match=r"^b_m must be finite in \[0, 1\], got 2$"):
+        together(a_m=(1.0,), b_m=(2.0, 0.0, 1.0))

@@ -10,7 +10,7 @@ from numbers import Integral
 import numpy as np
 import numpy.typing as npt
 
-from rss_gym.checks import finite
+from rss_gym.checks import finite, together
 from rss_gym.params import ParamsError
 
 STEPS = 100
@@ -95,8 +95,8 @@ def fix(
     epochs = len(nodes) if nodes.ndim == 3 else len(ranges) if batched else 1
     shape = (epochs, count)
     nodes, ranges = _to("nodes_m", nodes, (*shape, axes)), _to("ranges_m", ranges, shape)
-    variance = finite("range_std_m", range_std_m, 1e-9) ** 2 + finite("node_std_m", node_std_m, 0.0) ** 2
-    weights = 1.0 / _to("range_std_m and node_std_m", variance, shape)
+    range_std, node_std = together(range_std_m=(range_std_m, 1e-9), node_std_m=(node_std_m, 0.0))
+    weights = 1.0 / _to("range_std_m and node_std_m", range_std**2 + node_std**2, shape)
     prior = None if prior_m is None else _to("prior_m", finite("prior_m", prior_m), (epochs, axes))
 
     used_nodes, used_ranges = nodes, ranges
