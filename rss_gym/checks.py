@@ -34,3 +34,19 @@ def single(name: str, value: npt.ArrayLike, low: float = -np.inf, high: float = 
     if array.ndim:
         raise ParamsError(f"{name} must be one number, got an array of shape {array.shape}")
     return float(array)
+
+
+def together(**given: tuple[npt.ArrayLike, *tuple[float, ...]]) -> tuple[npt.NDArray[np.float64], ...]:
+    """Each argument, a value with its limits if any, as `finite` gives it, broadcast against the others.
+
+    Raises
+    ------
+    ParamsError
+        As `finite`, or naming the shapes that do not broadcast.
+    """
+    arrays = {name: finite(name, *value) for name, value in given.items()}
+    try:
+        return tuple(np.broadcast_arrays(*arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise ParamsError(f"the arguments' shapes must broadcast against each other, got {shapes}") from None

@@ -74,7 +74,7 @@ def chosen_nodes(block, r):
 
 @inner
 def fix(block, craft):
-    """`positioning.trilaterate`, a step of all lanes at a time."""
+    """`trilateration.trilaterate`, a step of all lanes at a time."""
     s = craft.solution_m
     for r in range(block.rows):
         s[2, r] = craft.position_m[2, r] + craft.barometer_error_m[r] + craft.datum_error_m[r]

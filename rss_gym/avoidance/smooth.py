@@ -115,7 +115,8 @@ def smooth(
     time, points = finite("time_s", time_s), finite("points_m", points_m)
     if time.ndim != 1 or len(time) < 2 or points.ndim != 2 or len(points) != len(time) or points.shape[1] not in (2, 3):
         raise ParamsError(
-            f"time_s must have the shape (n,), n >= 2, and points_m (n, 2) or (n, 3), got {time.shape} and {points.shape}"
+            f"time_s must have the shape (n,), n >= 2, and points_m (n, 2) or (n, 3), "
+            f"got {time.shape} and {points.shape}"
         )
     interval = np.diff(time)
     if not (interval > 0.0).all():
@@ -158,7 +159,7 @@ def separation(one: Trajectory, two: Trajectory) -> Separation:
     begin, end = max(one.time_s[0], two.time_s[0]), min(one.time_s[-1], two.time_s[-1])
     if begin >= end:
         raise ParamsError(
-            f"the two trajectories must overlap in time, got {end:g} s as the end of one and {begin:g} s as the start of the other"
+            f"the trajectories must overlap in time, but one ends at {end:g} s and the other starts at {begin:g} s"
         )
     every = np.union1d(one.time_s, two.time_s)
     breaks = every[(every >= begin) & (every <= end)]
@@ -186,5 +187,5 @@ def _squares(pieces: Floats, breaks: Floats) -> tuple[Any, Floats]:
     for i in range(degree + 1):
         square[i : i + degree + 1] += np.sum(pieces[i] * pieces, axis=-1)
     curve = PPoly(square, breaks)
-    roots = curve.derivative().roots(discontinuity=False, extrapolate=False) if degree else np.empty(0)
+    roots = curve.derivative().roots(discontinuity=False, extrapolate=False)
     return curve, np.union1d(breaks, roots[np.isfinite(roots)])

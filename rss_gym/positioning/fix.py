@@ -5,11 +5,12 @@ beginnings, a batch of epochs at a time. `trilateration` holds the world's own k
 """
 
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 import numpy.typing as npt
 
-from rss_gym.checks import finite
+from rss_gym.checks import finite, together
 from rss_gym.params import ParamsError
 
 STEPS = 100
@@ -26,21 +27,19 @@ class Fix:
     position_m: Floats  # (..., D)
     covariance_m2: Floats  # (..., D, D), first order
     residual_m: Floats  # (..., J): range minus distance from the position, also of nodes that were not used
-    dilution: (
-        Floats  # (...): root of the trace of the covariance that range errors of 1 m, all alike, would give (GDOP)
-    )
+    dilution: Floats  # (...): GDOP, root of the trace of the covariance that range errors of 1 m would give
     condition: Floats  # (...): condition number of the directions to the nodes
     mirror_m: Floats  # (..., D): the other position that explains the ranges as well, NaN where there is none
 
     @property
     def ambiguous(self) -> npt.NDArray[np.bool_]:
         """Where `mirror_m` holds a second position."""
-        return np.isfinite(self.mirror_m).all(axis=-1)
+        return np.asarray(np.isfinite(self.mirror_m).all(axis=-1))
 
     @property
     def degenerate(self) -> npt.NDArray[np.bool_]:
         """Where the position is next to the line or plane of the nodes, so that its distance from it is not known."""
-        return self.condition > CONDITION_MAX
+        return np.asarray(self.condition > CONDITION_MAX)
 
 
 def fix(
@@ -96,13 +95,13 @@ def fix(
     epochs = len(nodes) if nodes.ndim == 3 else len(ranges) if batched else 1
     shape = (epochs, count)
     nodes, ranges = _to("nodes_m", nodes, (*shape, axes)), _to("ranges_m", ranges, shape)
-    variance = finite("range_std_m", range_std_m, 1e-9) ** 2 + finite("node_std_m", node_std_m, 0.0) ** 2
-    weights = 1.0 / _to("range_std_m and node_std_m", variance, shape)
+    range_std, node_std = together(range_std_m=(range_std_m, 1e-9), node_std_m=(node_std_m, 0.0))
+    weights = 1.0 / _to("range_std_m and node_std_m", range_std**2 + node_std**2, shape)
     prior = None if prior_m is None else _to("prior_m", finite("prior_m", prior_m), (epochs, axes))
 
     used_nodes, used_ranges = nodes, ranges
     if strongest is not None:
-        if isinstance(strongest, bool) or not isinstance(strongest, int) or not 3 <= strongest <= count:
+        if isinstance(strongest, bool) or not isinstance(strongest, Integral) or not 3 <= strongest <= count:
             raise ParamsError(f"strongest must be a whole number from 3 to the {count} nodes, got {strongest!r}")
         order = np.argsort(ranges, axis=1, kind="stable")[:, :strongest]
         used_ranges, weights = np.take_along_axis(ranges, order, 1), np.take_along_axis(weights, order, 1)
@@ -110,10 +109,10 @@ def fix(
 
     found = [_descend(used_nodes, used_ranges, weights, start) for start in _starts(used_nodes, used_ranges, prior)]
     position, mirror = _choose(used_nodes, used_ranges, weights, np.array(found), prior)
-    directions, distance = _directions(used_nodes, position)
+    directions, _ = _directions(used_nodes, position)
     covariance, condition, dilution = _precision(directions, weights)
-    distance = np.linalg.norm(position[:, None] - nodes, axis=-1)
-    out = Fix(position, covariance, ranges - distance, dilution, condition, mirror)
+    residual = ranges - np.linalg.norm(position[:, None] - nodes, axis=-1)
+    out = Fix(position, covariance, residual, dilution, condition, mirror)
     return out if batched else Fix(**{name: value[0] for name, value in vars(out).items()})
 
 

@@ -63,9 +63,7 @@ def partial(nodes_m: npt.ArrayLike, ranges_m: npt.ArrayLike) -> Locus:
         return Locus(shape, sentence, centre_m=nodes[0], radius_m=float(ranges[0]))
     if len(nodes) == 2:
         return _two(nodes, ranges, planar)
-    raise ParamsError(
-        f"nodes_m must hold at most two nodes, got {len(nodes)}; positioning.fix places with three or more"
-    )
+    raise ParamsError(f"nodes_m must hold at most two nodes, got {len(nodes)}; positioning.fix takes three or more")
 
 
 def _two(nodes: Floats, ranges: Floats, planar: bool) -> Locus:

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from rss_gym.checks import finite
+from rss_gym.checks import together
 from rss_gym.safety.zone import miss_probability
 
 LIGHT_MPS = 3.0e8  # as rounded in the paper's figures, 0.07 % above the defined value
@@ -21,7 +21,7 @@ def coherence_s(speed_mps: npt.ArrayLike, frequency_hz: npt.ArrayLike) -> npt.ND
     speed_mps, frequency_hz : array_like
         Speed of each aircraft and carrier frequency, > 0.
     """
-    speed, frequency = finite("speed_mps", speed_mps, 1e-9), finite("frequency_hz", frequency_hz, 1.0)
+    speed, frequency = together(speed_mps=(speed_mps, 1e-9), frequency_hz=(frequency_hz, 1.0))
     return np.sqrt(9.0 / (16.0 * np.pi)) * LIGHT_MPS / (2.0 * speed * frequency)
 
 
@@ -30,8 +30,8 @@ def trials_max(coherence_s: npt.ArrayLike, observed_s: npt.ArrayLike = 1.0) -> n
 
     (39) states about 40 for 25.39 ms, rounded up; the whole part is 39.
     """
-    looks = finite("observed_s", observed_s, 0.0) / finite("coherence_s", coherence_s, 1e-9)
-    return np.floor(looks).astype(np.int64)[()]
+    coherence, observed = together(coherence_s=(coherence_s, 1e-9), observed_s=(observed_s, 0.0))
+    return np.floor(observed / coherence).astype(np.int64)[()]
 
 
 def least_miss_probability(

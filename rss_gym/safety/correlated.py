@@ -88,7 +88,7 @@ class CorrelatedZone:
 
     @property
     def in_time(self) -> bool:
-        """Whether the last look comes before contact; if not, looks further apart than t_r + delta / (P |v|) are the cause."""
+        """Whether the last look comes before contact; looks more than t_r + delta / (P |v|) apart come too late."""
         return self.duration_s <= self.closing_s
 
 

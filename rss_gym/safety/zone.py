@@ -7,7 +7,7 @@ of its range raises `ParamsError`.
 import numpy as np
 import numpy.typing as npt
 
-from rss_gym.checks import finite
+from rss_gym.checks import finite, together
 from rss_gym.jit import kernel
 from rss_gym.params import ParamsError
 
@@ -41,7 +41,8 @@ def perfect_radius_m(speed_relative_mps: npt.ArrayLike, reaction_s: npt.ArrayLik
     reaction_s : array_like
         t_r, >= 0.
     """
-    return finite("speed_relative_mps", speed_relative_mps, 0.0) * finite("reaction_s", reaction_s, 0.0)
+    speed, reaction = together(speed_relative_mps=(speed_relative_mps, 0.0), reaction_s=(reaction_s, 0.0))
+    return speed * reaction
 
 
 def error_probability(errors_m: npt.ArrayLike, range_error_m: npt.ArrayLike) -> Floats:
@@ -64,13 +65,14 @@ def error_probability_normal(std_m: npt.ArrayLike, range_error_m: npt.ArrayLike)
     """(33), P(delta) of a normal error of mean 0: the integral of the density of its size from 0 to `range_error_m`."""
     from scipy.special import erf
 
-    return erf(finite("range_error_m", range_error_m, 0.0) / (np.sqrt(2.0) * finite("std_m", std_m, 1e-9)))
+    std, delta = together(std_m=(std_m, 1e-9), range_error_m=(range_error_m, 0.0))
+    return erf(delta / (np.sqrt(2.0) * std))
 
 
 def miss_probability(range_error_probability: npt.ArrayLike, trials: npt.ArrayLike) -> Floats:
     """(32) and (36): probability (1 - P)^n that `trials` independent errors all exceed delta; bounds a collision's."""
-    probability = finite("range_error_probability", range_error_probability, *PROBABILITY)
-    return (1.0 - probability) ** finite("trials", trials, 1.0)
+    probability, looks = together(range_error_probability=(range_error_probability, *PROBABILITY), trials=(trials, 1.0))
+    return (1.0 - probability) ** looks
 
 
 def missed_detection(distance_m: npt.ArrayLike, estimate_m: npt.ArrayLike, radius_m: npt.ArrayLike) -> float:
@@ -79,16 +81,19 @@ def missed_detection(distance_m: npt.ArrayLike, estimate_m: npt.ArrayLike, radiu
     (34) bounds it by 1 - P(delta), and (35) takes it as bound of the collision probability. It is NaN when every look
     gave a warning.
     """
-    distance = finite("distance_m", distance_m, 0.0)
-    estimate, radius = finite("estimate_m", estimate_m, 0.0), finite("radius_m", radius_m, 0.0)
-    silent, inside = np.broadcast_arrays(estimate > radius, distance <= radius)
-    return float(np.mean(inside[silent])) if silent.any() else np.nan
+    distance, estimate, radius = together(
+        distance_m=(distance_m, 0.0), estimate_m=(estimate_m, 0.0), radius_m=(radius_m, 0.0)
+    )
+    silent = estimate > radius
+    return float(np.mean(distance[silent] <= radius[silent])) if silent.any() else np.nan
 
 
 def trials(range_error_probability: npt.ArrayLike, collision_probability: npt.ArrayLike) -> npt.NDArray[np.int64]:
     """(37): n_d, the fewest independent looks whose miss probability (36) is at most `collision_probability`."""
-    probability = finite("range_error_probability", range_error_probability, *PROBABILITY)
-    target = finite("collision_probability", collision_probability, 1e-300, 1.0 - 1e-9)
+    probability, target = together(
+        range_error_probability=(range_error_probability, *PROBABILITY),
+        collision_probability=(collision_probability, 1e-300, 1.0 - 1e-9),
+    )
     # A target that is a power of 1 - P to rounding takes that power.
     return np.ceil(np.log(target) / np.log(1.0 - probability) - 1e-12).astype(np.int64)[()]
 
@@ -111,12 +116,12 @@ def radius_m(
     trials : array_like
         n_d of (37), >= 1.
     """
-    arguments = np.broadcast_arrays(
-        finite("range_error_m", range_error_m, 0.0),
-        finite("range_error_probability", range_error_probability, *PROBABILITY),
-        finite("speed_relative_mps", speed_relative_mps, 0.0),
-        finite("reaction_s", reaction_s, 0.0),
-        finite("trials", trials, 1.0),
+    arguments = together(
+        range_error_m=(range_error_m, 0.0),
+        range_error_probability=(range_error_probability, *PROBABILITY),
+        speed_relative_mps=(speed_relative_mps, 0.0),
+        reaction_s=(reaction_s, 0.0),
+        trials=(trials, 1.0),
     )
     # Flat copies: one type of argument, so the kernel is compiled once.
     return zone_radius_m(*(a.flatten() for a in arguments)).reshape(arguments[0].shape)[()]
@@ -124,4 +129,4 @@ def radius_m(
 
 def pair_radius_m(radius_i_m: npt.ArrayLike, radius_j_m: npt.ArrayLike) -> Floats:
     """S_ij of two aircraft whose zones differ: the smaller one (Sec. VII)."""
-    return np.minimum(finite("radius_i_m", radius_i_m, 0.0), finite("radius_j_m", radius_j_m, 0.0))
+    return np.minimum(*together(radius_i_m=(radius_i_m, 0.0), radius_j_m=(radius_j_m, 0.0)))
