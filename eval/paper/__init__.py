@@ -14,7 +14,7 @@ from tqdm import tqdm
 from rss_gym.core import checked_seed
 from rss_gym.eval.paper import page
 from rss_gym.eval.paper.figures import FIGURES
-from rss_gym.eval.paper.number import Number, record
+from rss_gym.eval.paper.number import Number
 from rss_gym.eval.paper.panel import Panel
 from rss_gym.eval.paper.study import QUICK, Size, Study
 from rss_gym.files import new_folder, write_text
@@ -87,4 +87,4 @@ def write(reproduction: Reproduction, out: str | os.PathLike[str]) -> Path:
 
 def to_json(numbers: Sequence[Number]) -> str:
     """The list of `paper.json`."""
-    return json.dumps([record(number) for number in numbers], indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps([number.to_dict() for number in numbers], indent=1, ensure_ascii=False, allow_nan=False) + "\n"

@@ -28,21 +28,36 @@ def cdf(study: Study) -> Panel:
     runs = f"{study.size.repetitions} repetitions of the twelve flights"
     numbers = (
         Number(
-            id="fig10-ls", what="error of least squares, 80 %", paper=10.0, **over(least), unit="m", role="calibrated",
-            tolerance=READ * 10.0, note=f"the preset paper was chosen to give about this; {runs}",
+            id="fig10-ls",
+            what="error of least squares, 80 %",
+            paper=10.0,
+            seen=over(least),
+            unit="m",
+            role="calibrated",
+            tolerance=READ * 10.0,
+            note=f"the preset paper was chosen to give about this; {runs}",
         ),
         Number(
-            id="fig10-ekf", what="error of the coloured Kalman filter, 80 %", paper=4.0, **over(kalman), unit="m",
-            role="reproduced", tolerance=READ * 4.0,
-            note="without velocity the RSS alone cannot tell coloured noise from a change of range: 1 dB is 8.5 % of the "
-            f"range here, and the noise stays for 2 s; Var(w) {study.noise_m2_ps('coloured'):.3g} m²/s; {runs}",
+            id="fig10-ekf",
+            what="error of the coloured Kalman filter, 80 %",
+            paper=4.0,
+            seen=over(kalman),
+            unit="m",
+            role="reproduced",
+            tolerance=READ * 4.0,
+            note="without velocity the RSS alone cannot tell coloured noise from a change of range: 1 dB is 8.5 % of "
+            f"the range here, and the noise stays for 2 s; Var(w) {study.noise_m2_ps('coloured'):.3g} m²/s; {runs}",
         ),
         Number(
-            id="fig10-gain", what="error of least squares over that of the coloured Kalman filter, 80 %", paper=2.5,
-            **over(least / kalman), role="claim", relation="at least",
+            id="fig10-gain",
+            what="error of least squares over that of the coloured Kalman filter, 80 %",
+            paper=2.5,
+            seen=over(least / kalman),
+            role="claim",
+            relation="at least",
             note="the filter is better in every repetition, by less than the paper shows",
         ),
-    )  # fmt: skip
+    )
     return Panel(
         "Figures 5 and 10: error distribution",
         drawing.markup,
@@ -65,12 +80,19 @@ def paths(study: Study) -> Panel:
             for axes, x, y in ((above, east, north), (side, out, up)):
                 axes.plot(x, y, color=BLUE, linewidth=1.0, label=None if number else "flight")
                 axes.plot(
-                    x[::every], y[::every], "*", color=RED, markersize=4.0, label=None if number else f"RSS, every {MARK_S:g} s"
+                    x[::every],
+                    y[::every],
+                    "*",
+                    color=RED,
+                    markersize=4.0,
+                    label=None if number else f"RSS, every {MARK_S:g} s",
                 )
         above.plot([0.0], [0.0], "^", color=MUTED, markersize=7.0, label="ground antenna")
         side.plot([0.0], [0.0], "^", color=MUTED, markersize=7.0, clip_on=False)
         above.set(xlabel="east, m", ylabel="north, m", xlim=(-70.0, 70.0), ylim=(-70.0, 70.0), aspect="equal")
-        side.set(xlabel="horizontal distance from the antenna, m", ylabel="height, m", xlim=(0.0, 70.0), ylim=(0.0, 45.0))
+        side.set(
+            xlabel="horizontal distance from the antenna, m", ylabel="height, m", xlim=(0.0, 70.0), ylim=(0.0, 45.0)
+        )
         side.legend(*above.get_legend_handles_labels(), loc="upper right")
     samples = sum(len(flight.time_s) for flight in flights)
     return Panel(
@@ -78,8 +100,8 @@ def paths(study: Study) -> Panel:
         drawing.markup,
         "Flights out from a ground antenna and back within 60 m, in four directions at three altitudes, at 0 to 5 m/s.",
         f"Twelve simulated flights of the same plan: {samples:,} samples at {1.0 / PERIOD_S:g} Hz up to "
-        f"{max(flight.distance_m.max() for flight in flights):.0f} m and {max(f.speed_mps.max() for f in flights):.0f} m/s. "
-        "The paper's own flights are not published.",
+        f"{max(flight.distance_m.max() for flight in flights):.0f} m and "
+        f"{max(f.speed_mps.max() for f in flights):.0f} m/s. The paper's own flights are not published.",
     )
 
 
@@ -96,33 +118,47 @@ def distance(study: Study) -> Panel:
             binned = np.array([_p80_m(study.errors_m(name), true_m, low, low + 5.0) for low in BINS_M])
             low, middle, high = np.quantile(binned, (MIDDLE[0], 0.5, MIDDLE[1]), axis=1)
             right.errorbar(
-                BINS_M + 2.5 + offset, middle, [middle - low, high - middle], color=colour, marker="o", markersize=3.0,
-                elinewidth=0.8, label=label,
-            )  # fmt: skip
+                BINS_M + 2.5 + offset,
+                middle,
+                [middle - low, high - middle],
+                color=colour,
+                marker="o",
+                markersize=3.0,
+                elinewidth=0.8,
+                label=label,
+            )
         left.plot(log.time_s, flight.distance_m, color=MUTED, linestyle="--", label="true")
         left.set(xlabel="time, s", ylabel="distance, m", xlim=(0.0, log.time_s[-1]), ylim=(0.0, 190.0))
-        right.set(xlabel="true distance, m", ylabel="error within which 80 % lie, m", xlim=(8.0, 62.0), ylim=(0.0, None))
+        right.set(
+            xlabel="true distance, m", ylabel="error within which 80 % lie, m", xlim=(8.0, 62.0), ylim=(0.0, None)
+        )
         left.legend(loc="upper left", ncols=2)
         right.legend(loc="upper left")
     numbers = tuple(
         Number(
-            id=f"fig9-growth-{name}", what=f"error at 45 to 60 m over that at 10 to 25 m, 80 %: {METHODS[name].label}",
-            paper=1.0, **over(_p80_m(study.errors_m(name), true_m, *FAR_M) / _p80_m(study.errors_m(name), true_m, *NEAR_M)),
-            role="claim", relation="at least",
+            id=f"fig9-growth-{name}",
+            what=f"error at 45 to 60 m over that at 10 to 25 m, 80 %: {METHODS[name].label}",
+            paper=1.0,
+            seen=over(_p80_m(study.errors_m(name), true_m, *FAR_M) / _p80_m(study.errors_m(name), true_m, *NEAR_M)),
+            role="claim",
+            relation="at least",
             note=f"an error in dB is a share of the range; {study.size.repetitions} repetitions",
         )
         for name in ("ls", "coloured")
-    )  # fmt: skip
+    )
     return Panel(
         "Figure 9: distance",
         drawing.markup,
         "Least squares fluctuates severely, the Kalman filter is more stable, and both err more at larger distances.",
-        f"The same, over the flight {flight.name} (left). Bars (right): middle 95 % of {study.size.repetitions} repetitions.",
+        f"The same, over the flight {flight.name} (left). Bars (right): middle 95 % of {study.size.repetitions} "
+        "repetitions.",
         numbers,
     )
 
 
-def _p80_m(errors_m: NDArray[np.float64], true_m: NDArray[np.float64], low_m: float, high_m: float) -> NDArray[np.float64]:
+def _p80_m(
+    errors_m: NDArray[np.float64], true_m: NDArray[np.float64], low_m: float, high_m: float
+) -> NDArray[np.float64]:
     """(k,): error within which 80 % of the samples at true distances in [low, high) lie."""
     chosen = (true_m >= low_m) & (true_m < high_m)
     return np.quantile(errors_m[:, chosen], 0.8, axis=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rss_gym.eval.paper import errors, rule, signal, variants, zone
+from rss_gym.eval.paper import collisions, errors, rule, signal, variants, zone
 from rss_gym.eval.paper.panel import Panel
 from rss_gym.eval.paper.study import Study
 
@@ -19,7 +19,7 @@ FIGURES: dict[str, Callable[[Study], Panel]] = {
     "11a": variants.noise,
     "11b": variants.path_loss_factor,
     "11c": variants.velocity,
-    "12": zone.collisions,
+    "12": collisions.collisions,
     "13": rule.trajectories,
     "14": rule.distances,
 }

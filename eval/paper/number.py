@@ -8,13 +8,16 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from rss_gym.eval.intervals import Interval
 from rss_gym.params import ParamsError
 
 Role = Literal["reproduced", "calibrated", "by construction", "claim"]
 Relation = Literal["equals", "at least", "at most"]
 
 ROLES: tuple[str, ...] = get_args(Role)
+RELATIONS: tuple[str, ...] = get_args(Relation)
 MIDDLE = (0.025, 0.975)  # the middle 95 % of repetitions
 
 
@@ -30,14 +33,13 @@ class Number:
         What is measured, in words.
     paper : float
         The paper's figure; of a claim, its threshold.
-    measured : float
-    low, high : float, optional
-        Ends of the 95 % interval, or of the middle 95 % of repetitions; without them the measured value is exact.
-    unit : str
-        Empty for a pure number.
+    seen : Interval
+        What came out, with a 95 % confidence interval or the middle 95 % of repetitions: see `over` and `exact`.
     role : str
         "calibrated": used to choose the channel, so it says nothing and counts nowhere. "by construction": it follows
         from how the paper counts. "claim": a claim in words.
+    unit : str
+        Empty for a pure number.
     relation : str
         How the measured number has to stand to the paper's: "equals", "at least" or "at most".
     tolerance : float
@@ -54,55 +56,77 @@ class Number:
     id: str
     what: str
     paper: float
-    measured: float
-    low: float | None = None
-    high: float | None = None
-    unit: str = ""
+    seen: Interval
     role: Role
+    unit: str = ""
     relation: Relation = "equals"
     tolerance: float = 0.0
     note: str = ""
 
     def __post_init__(self) -> None:
-        """Check the words and the numbers, and fill in the ends of an exact one."""
-        if self.role not in ROLES or self.relation not in get_args(Relation):
+        """Check the words and the numbers."""
+        if self.role not in ROLES or self.relation not in RELATIONS:
             raise ParamsError(f"number {self.id!r}: role {self.role!r} or relation {self.relation!r} is unknown")
-        for name in ("paper", "measured", "low", "high", "tolerance"):
-            value = getattr(self, name)
-            object.__setattr__(self, name, float(self.measured if value is None else value))
-        assert self.low is not None and self.high is not None
-        if not all(map(math.isfinite, (self.paper, self.low, self.high, self.tolerance))) or self.tolerance < 0.0:
+        value, low, high, _ = self.seen
+        if value is None or low is None or high is None or not low <= value <= high:
+            raise ParamsError(f"number {self.id!r}: what was seen must have ends on either side, got {self.seen!r}")
+        if not all(map(math.isfinite, (self.paper, low, high, self.tolerance))) or self.tolerance < 0.0:
             raise ParamsError(f"number {self.id!r} must be finite, with a tolerance of at least 0, got {self!r}")
-        if not self.low <= self.measured <= self.high:
-            raise ParamsError(f"number {self.id!r}: {self.measured!r} must lie in [{self.low!r}, {self.high!r}]")
+
+    @property
+    def measured(self) -> float:
+        """The value seen."""
+        assert self.seen.value is not None  # checked above
+        return self.seen.value
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the interval, widened by the tolerance, meets the relation; None for a calibrated number."""
-        return None if self.role == "calibrated" else agrees(self.to_dict())
+        """Whether what was seen meets the relation; None for a calibrated number."""
+        return self.to_dict()["agrees"]
 
     def to_dict(self) -> dict[str, Any]:
-        """As in `paper.json`, without `agrees`."""
-        return dict(self.__dict__)
+        """One entry of `paper.json`."""
+        value, low, high, n = self.seen
+        fields = {
+            "id": self.id,
+            "what": self.what,
+            "paper": float(self.paper),
+            "measured": value,
+            "low": low,
+            "high": high,
+            "n": n,
+            "unit": self.unit,
+            "role": self.role,
+            "relation": self.relation,
+            "tolerance": float(self.tolerance),
+        }
+        return fields | {"agrees": agrees(fields), "note": self.note}
 
 
-def agrees(fields: dict[str, Any]) -> bool:
-    """The criterion, from the fields of `paper.json` alone.
+def agrees(fields: dict[str, Any]) -> bool | None:
+    """The criterion, from the fields of `paper.json` alone; None for a calibrated number.
 
-    "equals": the paper's figure lies in the interval widened by the tolerance. "at least", "at most": the whole interval
-    is on the right side of the threshold, to within the tolerance.
+    "equals": the paper's figure lies in the interval widened by the tolerance. "at least", "at most": the whole
+    interval is on the right side of the threshold, to within the tolerance.
     """
     paper, low, high, tolerance = (fields[name] for name in ("paper", "low", "high", "tolerance"))
-    above, below = low >= paper - tolerance, high <= paper + tolerance
+    if fields["role"] == "calibrated":
+        return None
     if fields["relation"] == "equals":
         return bool(low - tolerance <= paper <= high + tolerance)
-    return bool(above if fields["relation"] == "at least" else below)
+    return bool(low >= paper - tolerance if fields["relation"] == "at least" else high <= paper + tolerance)
 
 
-def over(repetitions: Any) -> dict[str, float]:
-    """Median and middle 95 % of a number over repetitions, as fields of `Number`."""
-    low, high = np.quantile(repetitions, MIDDLE)
-    return {"measured": float(np.median(repetitions)), "low": float(low), "high": float(high)}
+def over(repetitions: ArrayLike) -> Interval:
+    """Median and middle 95 % over repetitions."""
+    values = np.asarray(repetitions, dtype=np.float64)
+    low, high = np.quantile(values, MIDDLE)
+    return Interval(float(np.median(values)), float(low), float(high), len(values))
+
+
+def exact(value: float, n: int = 1) -> Interval:
+    """A value without uncertainty: computed, or the extreme of n cases that a claim about all of them is held to."""
+    return Interval(float(value), float(value), float(value), n)
 
 
 def counts(numbers: Sequence[Number]) -> dict[str, tuple[int, int]]:
@@ -112,10 +136,3 @@ def counts(numbers: Sequence[Number]) -> dict[str, tuple[int, int]]:
         for role in ROLES
         if role != "calibrated"
     }
-
-
-def record(number: Number) -> dict[str, Any]:
-    """One entry of `paper.json`."""
-    fields = number.to_dict()
-    note = fields.pop("note")
-    return fields | {"agrees": number.agrees, "note": note}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 
@@ -36,8 +37,8 @@ def markup(study: Study, panels: Sequence[Panel]) -> str:
         Section("Run", _run(study)),
     ]
     lead = (
-        '<p class="lead">C. Luo et al., “UAV Position Estimation and Collision Avoidance Using the Extended Kalman Filter”, '
-        f"2013, computed by this package. {text(summary(numbers))}</p>\n"
+        '<p class="lead">C. Luo et al., “UAV Position Estimation and Collision Avoidance Using the Extended Kalman '
+        f"Filter”, 2013, computed by this package. {text(summary(numbers))}</p>\n"
         f'<p class="tags"><span>seed {study.seed}</span><span>channel preset paper</span></p>'
     )
     return render(TITLE, lead, sections)
@@ -63,7 +64,7 @@ def _cells(number: Number) -> tuple[str, ...]:
     unit = f" {number.unit}" if number.unit else ""
     paper = f"{SIGNS[number.relation]}{_plain(number.paper)}"
     if number.tolerance > 0.0:
-        paper += f" ± {_plain(number.tolerance, 1)}"
+        paper += f" ± {_plain(number.tolerance, 2)}"
     measured = f"{_measured(number)}{_interval(number)}"
     return number.what, paper + unit, measured + unit, verdict, number.role, number.note
 
@@ -76,19 +77,31 @@ def _plain(value: float, digits: int = 4) -> str:
 
 
 def _measured(number: Number) -> str:
-    return _plain(number.measured) if number.low == number.high else shown(number.measured)
+    return _plain(number.measured) if number.seen.low == number.seen.high else shown(number.measured)
 
 
 def _interval(number: Number) -> str:
-    return "" if number.low == number.high else f" [{shown(number.low)}, {shown(number.high)}]"
+    return "" if number.seen.low == number.seen.high else f" [{shown(number.seen.low)}, {shown(number.seen.high)}]"
 
 
 def _panel(panel: Panel) -> str:
     said = (
-        f'<p class="text"><strong>The paper.</strong> {text(panel.paper)}</p>\n'
-        f'<p class="text"><strong>Here.</strong> {text(panel.here)}</p>\n'
+        f'<p class="text"><strong>The paper.</strong> {_formulas(panel.paper)}</p>\n'
+        f'<p class="text"><strong>Here.</strong> {_formulas(panel.here)}</p>\n'
     )
     return said + panel.markup + (_table(panel.numbers) if panel.numbers else "")
+
+
+def _formulas(plain: str) -> str:
+    """Plain text as markup, with U_i, 1e-5 and 0.2^7 as formulas and a percent sign that stays with its number."""
+    markup = re.sub(r"\b([A-Za-z])_([A-Za-z])\b", r"\1<sub>\2</sub>", text(plain)).replace(" %", "&nbsp;%")
+    markup = re.sub(r"(\d)\^(\d+)", r"\1<sup>\2</sup>", markup)
+    return re.sub(r"\b(?:1|(\d\.?\d*))e([+-])0?(\d+)\b", _power, markup)
+
+
+def _power(found: re.Match[str]) -> str:
+    mantissa, sign, digits = found.groups()
+    return f"{mantissa + '×' if mantissa else ''}10<sup>{MINUS if sign == '-' else ''}{digits}</sup>"
 
 
 def _table(numbers: Sequence[Number]) -> str:
@@ -96,14 +109,18 @@ def _table(numbers: Sequence[Number]) -> str:
     heads = "".join(f'<th scope="col"{kind}>{head}</th>' for head, kind in zip(HEADS, classes, strict=True))
     rows = ""
     for number in numbers:
-        what, paper, _, verdict, role, note = map(text, _cells(number))
+        what, paper, _, verdict, role, note = map(_formulas, _cells(number))
         unit = f" {text(number.unit)}" if number.unit else ""
         measured = (
             f'<td data-value="{number.measured!r}"><span class="value">{_measured(number)}{unit}</span>'
             f'<span class="interval">{_interval(number)}</span></td>'
         )
-        words = "".join(f'<td class="words">{cell}</td>' for cell in (f"<strong>{verdict}</strong>", role, note))
-        rows += f'<tr id="{text(number.id)}"><th scope="row">{what}</th><td><span class="value">{paper}</span></td>{measured}{words}</tr>\n'
+        words = "".join(
+            f'<td class="words">{cell}</td>'
+            for cell in (f"<strong>{verdict}</strong>", f'<span class="value">{role}</span>', note)
+        )
+        rows += f'<tr><th scope="row"><span class="who"><span>{what}</span></span></th><td><span '
+        f'class="value">{paper}</span></td>{measured}{words}</tr>\n'
     return scrolled(f"<table><thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table>")
 
 
@@ -112,15 +129,17 @@ def _reading(study: Study) -> str:
     return "".join(
         f'<p class="text">{line}</p>\n'
         for line in (
-            "The paper's flights and radio logs are not published. Everything here is simulated with the kernels of the world "
-            "that the environment flies: RSS with white and coloured noise and a path loss factor that wanders.",
-            f"In brackets: the middle 95 % of {size.repetitions} repetitions of the twelve flights, or a 95 % confidence interval "
-            "where trials are counted. <strong>agrees</strong> is computed: the paper's figure lies in the bracket widened by "
-            "the tolerance after ±; of a claim, the whole bracket is on the stated side of the threshold. A figure that the "
-            "paper gives as “about 4 m” has a tolerance of a tenth.",
-            "A <strong>calibrated</strong> number was used to choose the channel preset and says nothing. A number <strong>by "
-            "construction</strong> follows from how it is counted.",
-            "Each filter has a process noise of its own, tuned alike on eight other flights under other noise (table under Run).",
+            "The paper's flights and radio logs are not published. Everything here is simulated with the kernels of "
+            "the world that the environment flies: RSS with white and coloured noise and a path loss factor that "
+            "wanders.",
+            f"In brackets: the middle 95 % of {size.repetitions} repetitions of the twelve flights, or a 95 % "
+            "confidence interval where trials are counted. <strong>agrees</strong> is computed: the paper's figure "
+            "lies in the bracket widened by the tolerance after ±; of a claim, the whole bracket is on the stated "
+            "side of the threshold. A figure that the paper gives as “about 4 m” has a tolerance of a tenth.",
+            "A <strong>calibrated</strong> number was used to choose the channel preset and says nothing. A number "
+            "<strong>by construction</strong> follows from how it is counted.",
+            "Each filter has a process noise of its own, tuned alike on eight other flights under other noise (table "
+            "under Run).",
         )
     )
 
@@ -148,8 +167,8 @@ def _run(study: Study) -> str:
     facts = {"seed": study.seed, **asdict(study.size), "versions": ", ".join(f"{k} {v}" for k, v in versions().items())}
     listed = "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>\n" for name, value in facts.items())
     return (
-        '<p class="text">Process noise, as a variance per second: of the grid 10<sup>−3</sup> to 10<sup>3</sup> in quarter '
-        "decades, what errs least at 80 % on the flights for tuning. The last column has the random walk that spreads as the "
-        "flights do, 2 T<sub>v</sub> σ<sub>v</sub><sup>2</sup>; straight legs let the tuned filters stay below it.</p>\n"
-        f"{scrolled(table)}\n<dl>\n{listed}</dl>"
+        '<p class="text">Process noise, as a variance per second: of the grid 10<sup>−3</sup> to 10<sup>3</sup> in '
+        "quarter decades, what errs least at 80 % on the flights for tuning. The last column has the random walk "
+        "that spreads as the flights do, 2 T<sub>v</sub> σ<sub>v</sub><sup>2</sup>; straight legs let the tuned "
+        f"filters stay below it.</p>\n{scrolled(table)}\n<dl>\n{listed}</dl>"
     )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rss_gym.eval.paper.flights import PERIOD_S
 from rss_gym.eval.paper.number import Number, over
-from rss_gym.eval.paper.panel import BLUE, GREEN, ORANGE, Panel
+from rss_gym.eval.paper.panel import BLUE, ORANGE, Panel
 from rss_gym.eval.paper.study import Study
 from rss_gym.pages.figure import MUTED, NOMINAL, figure
 from rss_gym.params import Channel, load_channel
@@ -35,8 +35,8 @@ def segment(study: Study) -> Panel:
         "Figure 2: received signal",
         drawing.markup,
         "One segment of the received signal, with slow and fast variations.",
-        f"RSS at {1.0 / PERIOD_S:g} Hz over the flight {flight.name}, on the channel preset paper: the coloured noise wanders for "
-        "seconds, the white noise jumps from sample to sample.",
+        f"RSS at {1.0 / PERIOD_S:g} Hz over the flight {flight.name}, on the channel preset paper: the coloured noise "
+        "wanders for seconds, the white noise jumps from sample to sample.",
     )
 
 
@@ -76,32 +76,49 @@ def allan(study: Study) -> Panel:
     excess = np.array([curve.variance_db2[at_long] for curve in curves["preset paper"]]) / white_at_long
     numbers = (
         Number(
-            id="fig3-slope-white", what="slope of the Allan variance of white noise, both axes logarithmic", paper=-1.0,
-            **over([_slope(curve) for curve in curves["white noise only"]]), role="reproduced", tolerance=0.02,
+            id="fig3-slope-white",
+            what="slope of the Allan variance of white noise, both axes logarithmic",
+            paper=-1.0,
+            seen=over([_slope(curve) for curve in curves["white noise only"]]),
+            role="reproduced",
+            tolerance=0.02,
             note=f"least squares over τ < {SHORT_S:g} s; {runs}",
         ),
         Number(
-            id="fig3-rise-paper", what=f"steepest slope at τ < {SHORT_S:g} s with coloured noise, preset paper", paper=0.0,
-            **over(rises["preset paper"]), role="claim", relation="at least",
+            id="fig3-rise-paper",
+            what=f"steepest slope at τ < {SHORT_S:g} s with coloured noise, preset paper",
+            paper=0.0,
+            seen=over(rises["preset paper"]),
+            role="claim",
+            relation="at least",
             note=f"this preset has as much white as coloured noise, which hides most of the rise; {runs}",
         ),
         Number(
-            id="fig3-rise-quadcopter", what=f"steepest slope at τ < {SHORT_S:g} s, preset quadcopter", paper=0.0,
-            **over(rises["preset quadcopter (a real telemetry link)"]), role="claim", relation="at least",
+            id="fig3-rise-quadcopter",
+            what=f"steepest slope at τ < {SHORT_S:g} s, preset quadcopter",
+            paper=0.0,
+            seen=over(rises["preset quadcopter (a real telemetry link)"]),
+            role="claim",
+            relation="at least",
             note=f"noise as fitted to a real link, 13 times as much coloured as white; {runs}",
         ),
         Number(
-            id="fig3-long", what=f"Allan variance at τ = {tau[at_long]:.3g} s over that of white noise alone, preset paper",
-            paper=1.0, **over(excess), role="claim", relation="at least",
+            id="fig3-long",
+            what=f"Allan variance at τ = {tau[at_long]:.3g} s over that of white noise alone, preset paper",
+            paper=1.0,
+            seen=over(excess),
+            role="claim",
+            relation="at least",
             note=f"correlated noise shows beyond log τ = 2, from the wander of the path loss factor too; {runs}",
         ),
-    )  # fmt: skip
+    )
     return Panel(
         "Figure 3: Allan variance",
         drawing.markup,
         "White noise falls with slope −1; the real signal rises at short τ and lies above white noise at long τ.",
-        "White noise falls with slope −1. With the preset paper the curve flattens and rises a little, with the noise of a real "
-        "telemetry link it rises as in the paper. Bands are the 95 % intervals (5)-(6) of one record of an hour.",
+        "White noise falls with slope −1. With the preset paper the curve flattens and rises a little, with the "
+        "noise of a real telemetry link it rises as in the paper. Bands are the 95 % intervals (5)-(6) of one record "
+        "of an hour.",
         numbers,
     )
 

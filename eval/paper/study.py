@@ -26,12 +26,12 @@ RECORDS_APART = 2**20  # numbers of records that one flight may use
 class Size:
     """How much is run."""
 
-    repetitions: int = 200  # of the twelve flights
+    repetitions: int = 400  # of the twelve flights
     tuning: int = 40  # of the eight
     circular: int = 20  # repetitions with gamma from the filter's own distances
     allan: int = 40  # records of an hour
     trials: int = 100_000_000
-    approaches: int = 400_000
+    approaches: int = 1_000_000
     pairs: int = 1_000
 
 
@@ -80,7 +80,10 @@ class Flown:
     def errors_m(self, method: Method, channel: Channel, noise_m2_ps: float) -> Floats:
         """(k, samples of all flights): size of the range error."""
         return np.concatenate(
-            [np.abs(ranges - log.distance_m) for ranges, log in zip(self.ranges_m(method, channel, noise_m2_ps), self.logs, strict=True)],
+            [
+                np.abs(ranges - log.distance_m)
+                for ranges, log in zip(self.ranges_m(method, channel, noise_m2_ps), self.logs, strict=True)
+            ],
             axis=1,
         )
 
@@ -96,15 +99,17 @@ class Flown:
 def tuning_of(noise_m2_ps: float) -> Tuning:
     """The filters' settings; Var(w) per second is one number, whether the velocity is known or not."""
     return Tuning(
-        process_noise_m2_ps=noise_m2_ps, process_noise_rate_m2_ps=noise_m2_ps,
-        prior_range_m=PRIOR_RANGE_M, prior_std_m=PRIOR_STD_M,
-    )  # fmt: skip
+        process_noise_m2_ps=noise_m2_ps,
+        process_noise_rate_m2_ps=noise_m2_ps,
+        prior_range_m=PRIOR_RANGE_M,
+        prior_std_m=PRIOR_STD_M,
+    )
 
 
 class Study:
     """What the figures draw on, computed when first asked for; the same seed and size give the same numbers."""
 
-    def __init__(self, size: Size = Size(), seed: int = 0) -> None:  # noqa: B008
+    def __init__(self, size: Size, seed: int = 0) -> None:
         """Keep the size and the seed."""
         self.size, self.seed = size, seed
         self.channel = load_channel("paper")
@@ -145,7 +150,7 @@ class Study:
     def noise_floor_m2_ps(self) -> float:
         """2 Tv sigma_v^2 of the flights for tuning: the random walk that spreads as they do, once a leg is over.
 
-        sigma_v is the standard deviation of the range rate, Tv its integral time up to where it first loses all correlation.
+        sigma_v is the standard deviation of the range rate, Tv the integral of its correlation up to the first zero.
         """
         products, variance, count = np.zeros(400), 0.0, 0
         for flight in self.others.flights:

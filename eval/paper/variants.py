@@ -1,6 +1,8 @@
-"""Figure 11: (a) white against coloured noise, (b) fixed against adaptive path loss factor, (c) with and without velocity."""
+"""Figure 11: (a) models of the noise, (b) fixed and adaptive path loss factor, (c) with and without velocity."""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,7 @@ from rss_gym.pages.figure import COLOURS, figure
 from rss_gym.ranging.path_loss_factor import GAMMA_LIMITS, adaptive, estimate_path_loss_factor
 from rss_gym.ranging.track import track
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating]
 
 FIXED = (2.0, 3.0, 4.0, 5.0, 6.0)
 FIRST_GAMMA = 2.0  # free space, before any sample
@@ -36,40 +38,69 @@ def noise(study: Study) -> Panel:
         finish_cdf(drawing.axes, 30.0)
     runs = f"{study.size.repetitions} repetitions"
     tied = (
-        "each filter has its own process noise, tuned alike; without velocity a range that moves at 3 m/s and noise that stays "
-        "for 2 s look the same to either"
+        "each filter has its own process noise, tuned alike; without velocity a range that moves at 3 m/s and noise "
+        "that stays for 2 s look the same to either"
     )
     numbers = (
         Number(
-            id="fig11a-white", what="error of the white filter (R + S), 80 %", paper=8.5, **over(p80["white"]), unit="m",
-            role="reproduced", tolerance=READ * 8.5, note=f"Var(w) {study.noise_m2_ps('white'):.3g} m²/s; {runs}",
+            id="fig11a-white",
+            what="error of the white filter (R + S), 80 %",
+            paper=8.5,
+            seen=over(p80["white"]),
+            unit="m",
+            role="reproduced",
+            tolerance=READ * 8.5,
+            note=f"Var(w) {study.noise_m2_ps('white'):.3g} m²/s; {runs}",
         ),
         Number(
-            id="fig11a-white-r", what="error of the white filter (R alone), 80 %", paper=8.5, **over(p80["white-r"]), unit="m",
-            role="reproduced", tolerance=READ * 8.5, note=f"Var(w) {study.noise_m2_ps('white-r'):.3g} m²/s; {runs}",
+            id="fig11a-white-r",
+            what="error of the white filter (R alone), 80 %",
+            paper=8.5,
+            seen=over(p80["white-r"]),
+            unit="m",
+            role="reproduced",
+            tolerance=READ * 8.5,
+            note=f"Var(w) {study.noise_m2_ps('white-r'):.3g} m²/s; {runs}",
         ),
         Number(
-            id="fig11a-white-same", what="the same with the process noise of the coloured filter, 80 %", paper=8.5,
-            **over(p80_same), unit="m", role="reproduced", tolerance=READ * 8.5,
-            note=f"the paper's \"other parameters were the same\"; Var(w) {study.noise_m2_ps('coloured'):.3g} m²/s; {runs}",
+            id="fig11a-white-same",
+            what="the same with the process noise of the coloured filter, 80 %",
+            paper=8.5,
+            seen=over(p80_same),
+            unit="m",
+            role="reproduced",
+            tolerance=READ * 8.5,
+            note=f'the paper\'s "other parameters were the same"; Var(w) {study.noise_m2_ps("coloured"):.3g} m²/s; '
+            "{runs}",
         ),
         Number(
-            id="fig11a-gain", what="error of the white filter (R + S) over that of the coloured one, 80 %", paper=2.0,
-            **over(p80["white"] / p80["coloured"]), role="claim", relation="at least", note=tied,
+            id="fig11a-gain",
+            what="error of the white filter (R + S) over that of the coloured one, 80 %",
+            paper=2.0,
+            seen=over(p80["white"] / p80["coloured"]),
+            role="claim",
+            relation="at least",
+            note=tied,
         ),
         Number(
-            id="fig11a-gain-same", what="the same with the white filter of R alone and equal process noise", paper=2.0,
-            **over(p80_same / p80["coloured"]), role="claim", relation="at least",
-            note="leaving S out of the white filter, and tuning the other one only, explains little of the paper's factor",
+            id="fig11a-gain-same",
+            what="the same with the white filter of R alone and equal process noise",
+            paper=2.0,
+            seen=over(p80_same / p80["coloured"]),
+            role="claim",
+            relation="at least",
+            note="leaving S out of the white filter, and tuning the other one only, explains little of the paper's "
+            "factor",
         ),
-    )  # fmt: skip
+    )
     return Panel(
         "Figure 11 (a): white and coloured noise",
         drawing.markup,
-        "80 % of the errors are within about 4 m with the coloured noise model and within about 8.5 m with the white one.",
-        f"Within {np.median(p80['coloured']):.1f} m and {np.median(p80['white']):.1f} m: once both are tuned, the coloured "
-        "model gains nothing in accuracy on this channel. It gains a right uncertainty: the squared error is "
-        f"{_nees(study, 'coloured'):.1f} times the variance that the filter states in the mean, with white noise "
+        "80 % of the errors are within about 4 m with the coloured noise model and within about 8.5 m with the white "
+        "one.",
+        f"Within {np.median(p80['coloured']):.1f} m and {np.median(p80['white']):.1f} m: once both are tuned, the "
+        "coloured model gains nothing in accuracy on this channel. It gains a right uncertainty: the squared error "
+        f"is {_nees(study, 'coloured'):.1f} times the variance that the filter states in the mean, with white noise "
         f"{_nees(study, 'white'):.1f} (R + S) and {_nees(study, 'white-r'):.0f} times (R alone).",
         numbers,
     )
@@ -84,7 +115,9 @@ def path_loss_factor(study: Study) -> Panel:
         for gamma in FIXED
     }
     independent, circular = _adaptive_errors_m(study), _circular_errors_m(study)
-    with figure("Error distribution with fixed and with adaptive path loss factors", width_in=9.0, height_in=3.8) as drawing:
+    with figure(
+        "Error distribution with fixed and with adaptive path loss factors", width_in=9.0, height_in=3.8
+    ) as drawing:
         for gamma, colour in zip(FIXED, (COLOURS[7], ORANGE, GREEN, VIOLET, RED), strict=True):
             draw_cdf(drawing.axes, fixed[gamma], f"fixed γ = {gamma:g}", colour)
         draw_cdf(drawing.axes, independent, "adaptive, distances from integrated velocity", BLUE)
@@ -93,7 +126,7 @@ def path_loss_factor(study: Study) -> Panel:
         drawing.axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     best = {gamma: _quantiles(errors) for gamma, errors in fixed.items()}
     p80 = {gamma: np.quantile(errors, 0.8, axis=1) for gamma, errors in fixed.items()}
-    steps = np.array([p80[high] / p80[low] for low, high in zip(FIXED, FIXED[1:], strict=False)])
+    steps = np.array([p80[high] / p80[low] for low, high in pairwise(FIXED)])
     runs = f"{study.size.repetitions} repetitions; γ of the channel is {study.channel.path_loss_factor:g}"
 
     def worst(errors: Floats) -> Floats:
@@ -103,30 +136,42 @@ def path_loss_factor(study: Study) -> Panel:
 
     numbers = (
         Number(
-            id="fig11b-adaptive", what="error with adaptive γ over that with the best fixed γ of 2 to 6, worst level from 70 % up",
-            paper=1.0, **over(worst(independent)), role="claim", relation="at most",
-            note=f"γ by (22)-(28) from distances by integrated velocity, window of {WINDOW * PERIOD_S:g} s, "
-            f"from γ = {FIRST_GAMMA:g} on; 80 % within {np.median(np.quantile(independent, 0.8, axis=1)):.1f} m; {runs}",
+            id="fig11b-adaptive",
+            what="error with adaptive γ over that with the best fixed γ of 2 to 6, worst level from 70 % up",
+            paper=1.0,
+            seen=over(worst(independent)),
+            role="claim",
+            relation="at most",
+            note=f"γ by (22)-(28) from distances by integrated velocity, window of {WINDOW * PERIOD_S:g} s, from γ = "
+            f"{FIRST_GAMMA:g} on; 80 % within {np.median(np.quantile(independent, 0.8, axis=1)):.1f} m; {runs}",
         ),
         Number(
-            id="fig11b-circular", what="the same with γ fitted to the filter's own distances", paper=1.0,
-            **over(worst(circular)), role="claim", relation="at most",
-            note="RSS shows only the product γ log d: fitted to distances that were made with it, γ is not identifiable; "
-            f"{study.size.circular} repetitions",
+            id="fig11b-circular",
+            what="the same with γ fitted to the filter's own distances",
+            paper=1.0,
+            seen=over(worst(circular)),
+            role="claim",
+            relation="at most",
+            note="RSS shows only the product γ log d: fitted to distances that were made with it, γ is not "
+            f"identifiable; {study.size.circular} repetitions",
         ),
         Number(
-            id="fig11b-higher", what="error of each fixed γ over that of the next lower one, 80 %: the largest ratio", paper=1.0,
-            **over(np.max(steps, axis=0)), role="claim", relation="at most",
-            note='"the higher the better" holds up to the γ of the channel, then a larger one shrinks every range; 80 % errors '
-            + ", ".join(f"{np.median(p80[gamma]):.1f} m" for gamma in FIXED) + " for γ = 2 to 6",
+            id="fig11b-higher",
+            what="error of each fixed γ over that of the next lower one, 80 %: the largest ratio",
+            paper=1.0,
+            seen=over(np.max(steps, axis=0)),
+            role="claim",
+            relation="at most",
+            note='"the higher the better" holds up to the γ of the channel, then a larger one shrinks every range; '
+            "80 % errors " + ", ".join(f"{np.median(p80[gamma]):.1f} m" for gamma in FIXED) + " for γ = 2 to 6",
         ),
-    )  # fmt: skip
+    )
     return Panel(
         "Figure 11 (b): path loss factor",
         drawing.markup,
         "Adaptive γ is better than any fixed γ of 2 to 6 from 70 % up; the higher the fixed γ, the better.",
-        "Adaptive γ wins where it is fitted to distances that do not come from the RSS; fitted to the filter's own it does not. "
-        "The best fixed γ is the one next to that of the channel.",
+        "Adaptive γ wins where it is fitted to distances that do not come from the RSS; fitted to the filter's own "
+        "it does not. The best fixed γ is the one next to that of the channel.",
         numbers,
     )
 
@@ -140,26 +185,37 @@ def velocity(study: Study) -> Panel:
             label = METHODS[name].label if name != "coloured" else "coloured noise, without velocity"
             draw_cdf(drawing.axes, study.errors_m(name), label, colour, style)
         finish_cdf(drawing.axes, 20.0)
-    runs = f"velocity errs by 0.1 m/s on each axis with a correlation time of 60 s; {study.size.repetitions} repetitions"
+    runs = (
+        f"velocity errs by 0.1 m/s on each axis with a correlation time of 60 s; {study.size.repetitions} repetitions"
+    )
     numbers = (
         Number(
-            id="fig11c-velocity", what="error of the coloured filter with velocity, 80 %", paper=1.7,
-            **over(p80["coloured-velocity"]), unit="m", role="reproduced", tolerance=READ * 1.7,
-            note="the start is unknown, and the wander of γ (0.05) alone is 1.9 m at 30 m; "
-            f"Var(w) {study.noise_m2_ps('coloured-velocity'):.3g} m²/s; {runs}",
+            id="fig11c-velocity",
+            what="error of the coloured filter with velocity, 80 %",
+            paper=1.7,
+            seen=over(p80["coloured-velocity"]),
+            unit="m",
+            role="reproduced",
+            tolerance=READ * 1.7,
+            note="the start is unknown, and the wander of γ (0.05) alone is 1.9 m at 30 m; Var(w) "
+            f"{study.noise_m2_ps('coloured-velocity'):.3g} m²/s; {runs}",
         ),
         Number(
-            id="fig11c-gain", what="error without velocity over that with it, coloured filter, 80 %", paper=1.0,
-            **over(p80["coloured"] / p80["coloured-velocity"]), role="claim", relation="at least",
+            id="fig11c-gain",
+            what="error without velocity over that with it, coloured filter, 80 %",
+            paper=1.0,
+            seen=over(p80["coloured"] / p80["coloured-velocity"]),
+            role="claim",
+            relation="at least",
             note="4 over 1.7 m, or 2.4, in the paper",
         ),
-    )  # fmt: skip
+    )
     return Panel(
         "Figure 11 (c): inertial measurements",
         drawing.markup,
         "80 % of the errors are within 1.7 m when the filter is given the velocity.",
-        f"Within {np.median(p80['coloured-velocity']):.1f} m, against {np.median(p80['coloured']):.1f} m without it; the white "
-        f"filter with velocity comes to {np.median(p80['white-velocity']):.1f} m.",
+        f"Within {np.median(p80['coloured-velocity']):.1f} m, against {np.median(p80['coloured']):.1f} m without it; "
+        f"the white filter with velocity comes to {np.median(p80['white-velocity']):.1f} m.",
         numbers,
     )
 
@@ -184,10 +240,12 @@ def _adaptive_errors_m(study: Study) -> Floats:
     found = []
     for log, rates in zip(study.flown.logs, study.flown.range_rates_mps, strict=True):
         known = np.maximum(log.distance_m[:, :1] + np.cumsum(rates, axis=1) * PERIOD_S, 1.0)
-        gamma = np.array([
-            adaptive(distance, rss, study.channel.offset_dbm, WINDOW, FIRST_GAMMA)
-            for distance, rss in zip(known, log.rss_dbm, strict=True)
-        ])  # fmt: skip
+        gamma = np.array(
+            [
+                adaptive(distance, rss, study.channel.offset_dbm, WINDOW, FIRST_GAMMA)
+                for distance, rss in zip(known, log.rss_dbm, strict=True)
+            ]
+        )
         found.append(np.abs(_ranges_m(study, log.time_s, log.rss_dbm, gamma) - log.distance_m))
     return np.concatenate(found, axis=1)
 
@@ -213,8 +271,8 @@ def _circular_errors_m(study: Study) -> Floats:
 def _ranges_m(study: Study, time_s: Floats, rss_dbm: Floats, gamma: Floats) -> Floats:
     """The coloured filter with a path loss factor for each sample, (k, n).
 
-    The RSS is taken to the factor of the channel: offset + (RSS - offset) gamma_0 / gamma(n) has the same mean for the range
-    that gamma(n) gives. Its noise is scaled by gamma_0 / gamma(n) too, which the filter is not told.
+    The RSS is taken to the factor of the channel: offset + (RSS - offset) gamma_0 / gamma(n) has the mean that
+    belongs to the same range. Its noise is scaled by gamma_0 / gamma(n) too, which the filter is not told.
     """
     offset, gamma_0 = study.channel.offset_dbm, study.channel.path_loss_factor
     rss = offset + (rss_dbm - offset) * gamma_0 / gamma

@@ -11,8 +11,8 @@ from rss_gym.safety.zone import PROBABILITY
 
 
 @kernel
-def _count(key, first, trials, looks, probability, ended):
-    """Add to `ended[n]` the trials, from number `first` on, that end after n wrong looks: one is right, or none is left."""
+def _count(key, first, trials, looks, probability, ended):  # type: ignore[no-untyped-def]
+    """Add to `ended[n]` the trials, from number `first` on, that end after n wrong looks."""
     for trial in range(first, first + trials):
         n = 0
         while n < looks and uniform(key, trial, n) > probability:
