@@ -25,6 +25,15 @@ PHRASES = {
     "claim": "claims in words hold by their criteria",
     "by construction": "numbers agree by construction",
 }
+SIZES = {
+    "repetitions": "repetitions of the twelve flights",
+    "tuning": "of the eight for tuning",
+    "circular": "with γ from the filter's own distances",
+    "allan": "records of an hour",
+    "trials": "trials counted",
+    "approaches": "approaches flown",
+    "pairs": "pairs of trajectories",
+}
 
 
 def markup(study: Study, panels: Sequence[Panel]) -> str:
@@ -119,8 +128,10 @@ def _table(numbers: Sequence[Number]) -> str:
             f'<td class="words">{cell}</td>'
             for cell in (f"<strong>{verdict}</strong>", f'<span class="value">{role}</span>', note)
         )
-        rows += f'<tr><th scope="row"><span class="who"><span>{what}</span></span></th><td><span '
-        f'class="value">{paper}</span></td>{measured}{words}</tr>\n'
+        rows += (
+            f'<tr><th scope="row"><span class="who"><span>{what}</span></span></th>'
+            f'<td><span class="value">{paper}</span></td>{measured}{words}</tr>\n'
+        )
     return scrolled(f"<table><thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table>")
 
 
@@ -164,7 +175,11 @@ def _run(study: Study) -> str:
         "<table><thead><tr>" + "".join(f'<th scope="col">{head}</th>' for head in heads) + "</tr></thead>\n"
         f"<tbody>\n{rows}</tbody></table>"
     )
-    facts = {"seed": study.seed, **asdict(study.size), "versions": ", ".join(f"{k} {v}" for k, v in versions().items())}
+    facts = {
+        "seed": study.seed,
+        **{SIZES[name]: f"{value:,}" for name, value in asdict(study.size).items()},
+        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
+    }
     listed = "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>\n" for name, value in facts.items())
     return (
         '<p class="text">Process noise, as a variance per second: of the grid 10<sup>−3</sup> to 10<sup>3</sup> in '
