@@ -9,6 +9,7 @@ from rss_gym.eval.paper.flights import PERIOD_S
 from rss_gym.eval.paper.number import Number, over
 from rss_gym.eval.paper.panel import BLUE, ORANGE, Panel
 from rss_gym.eval.paper.study import Study
+from rss_gym.eval.report.numbers import MINUS
 from rss_gym.pages.figure import MUTED, NOMINAL, figure
 from rss_gym.params import Channel, load_channel
 from rss_gym.radio import AllanCurve, GaussMarkov, allan_curve, allan_model, received, simulate
@@ -91,7 +92,7 @@ def allan(study: Study) -> Panel:
             seen=over(rises["preset paper"]),
             role="claim",
             relation="at least",
-            note=f"this preset has as much white as coloured noise, which hides most of the rise; {runs}",
+            note=f"{_mix(paper)}; {runs}",
         ),
         Number(
             id="fig3-rise-quadcopter",
@@ -100,7 +101,7 @@ def allan(study: Study) -> Panel:
             seen=over(rises["preset quadcopter (a real telemetry link)"]),
             role="claim",
             relation="at least",
-            note=f"noise as fitted to a real link, 13 times as much coloured as white; {runs}",
+            note=f"noise as fitted to a real link, {_mix(strong)}; {runs}",
         ),
         Number(
             id="fig3-long",
@@ -116,11 +117,16 @@ def allan(study: Study) -> Panel:
         "Figure 3: Allan variance",
         drawing.markup,
         "White noise falls with slope −1; the real signal rises at short τ and lies above white noise at long τ.",
-        "White noise falls with slope −1. With the preset paper the curve flattens and rises a little, with the "
-        "noise of a real telemetry link it rises as in the paper. Bands are the 95 % intervals (5)-(6) of one record "
-        "of an hour.",
+        f"White noise falls with slope {MINUS}{abs(numbers[0].measured):.2f}. With coloured noise the steepest slope "
+        f"at short τ is {numbers[1].measured:.2f} on the preset paper and {numbers[2].measured:.2f} with the noise of "
+        "a real telemetry link. Bands are the 95 % intervals (5)-(6) of one record of an hour.",
         numbers,
     )
+
+
+def _mix(channel: Channel) -> str:
+    ratio = channel.coloured_variance_db2 / channel.white_variance_db2
+    return f"coloured noise has {ratio:.3g} times the variance of white noise"
 
 
 def _curves(study: Study, channel: Channel, first: int) -> list[AllanCurve]:

@@ -18,6 +18,7 @@ from rss_gym.ranging.track import Tuning, track
 Floats = NDArray[np.float64]
 
 PRIOR_RANGE_M, PRIOR_STD_M = 30.0, 17.0  # all that is known before the first sample: within 60 m
+NAVIGATION = Navigation()  # how the world errs in velocity
 NOISE_GRID_M2_PS = 10.0 ** np.arange(-3.0, 3.01, 0.25)
 RECORDS_APART = 2**20  # numbers of records that one flight may use
 
@@ -164,9 +165,8 @@ class Study:
 
 def _measured_rates(flight: Flight, repetitions: int, random: np.random.Generator) -> Floats:
     """(k, n): range rates from velocities that err by a Gauss-Markov process on each axis (Sec. IX-D)."""
-    navigation = Navigation()
-    a = float(np.exp(-PERIOD_S / navigation.dead_reckoning_tc_s))
+    a = float(np.exp(-PERIOD_S / NAVIGATION.dead_reckoning_tc_s))
     drive = random.standard_normal((repetitions, 3, len(flight.time_s)))
     drive[..., 1:] *= np.sqrt(1.0 - a * a)  # it starts stationary
-    error = navigation.dead_reckoning_mps * lfilter([1.0], [1.0, -a], drive)
+    error = NAVIGATION.dead_reckoning_mps * lfilter([1.0], [1.0, -a], drive)
     return flight.range_rate_mps + np.einsum("kcn,nc->kn", error, flight.line_of_sight)
