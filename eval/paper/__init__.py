@@ -11,7 +11,6 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from rss_gym.core import checked_seed
 from rss_gym.eval.paper import page
 from rss_gym.eval.paper.figures import FIGURES
 from rss_gym.eval.paper.number import Number
@@ -19,10 +18,12 @@ from rss_gym.eval.paper.panel import Panel
 from rss_gym.eval.paper.study import QUICK, Size, Study
 from rss_gym.files import new_folder, write_text
 from rss_gym.pages.figure import require_figures
+from rss_gym.params import ParamsError
 
 __all__ = ["FIGURES", "QUICK", "Number", "Reproduction", "Size", "reproduce", "write"]
 
 NUMBERS, PAGE = "paper.json", "index.html"
+SEED_END = 2**31  # the figures make keys of their own from the seed
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ def reproduce(size: Size | None = None, seed: int = 0, progress: bool | None = N
     size : Size, optional
         How much is run; default: the full size. `QUICK` has intervals too wide to show the small probabilities.
     seed : int
-        Of all noise, >= 0.
+        Of all noise, in [0, 2**31).
     progress : bool, optional
         Show a progress bar; default: when the error stream is a terminal.
 
@@ -61,7 +62,9 @@ def reproduce(size: Size | None = None, seed: int = 0, progress: bool | None = N
         For a seed out of range, or when matplotlib is missing.
     """
     require_figures()
-    study = Study(size or Size(), checked_seed(seed))
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEED_END:
+        raise ParamsError(f"seed must be a whole number in [0, {SEED_END}), got {seed!r}")
+    study = Study(size or Size(), seed)
     show = sys.stderr.isatty() if progress is None else progress
     with tqdm(FIGURES.items(), unit="figure", disable=not show, leave=False) as bar:
         panels = []

@@ -97,11 +97,10 @@ def collisions(study: Study) -> Panel:
         _drawing(study, counted, np.array([share[:3] for share in shares], dtype=np.float64)),
         "The collision probability falls with the radius: 1e-5 at 115 m (errors of 4 m) and 230 m (16 m), just below "
         "the 120 m and 240 m of (40).",
-        "Counted as in the paper it must follow (36), by construction. Flown with the filter's own errors it falls "
-        "faster, "
+        "Counted as in the paper it follows (36), by construction. Flown with the filter's own errors it falls faster, "
         + ("though too few are flown to show how far" if covered is None else f"to below 1e-5 from {covered:g} m on")
-        + f"; the first {ZONE.trials} looks inside {ZONE.radius_m:g} m all miss in {flown.silent / n:.0%} of the "
-        "approaches.",
+        + f"; the first {ZONE.trials} looks inside {ZONE.radius_m:g} m all miss in {100.0 * flown.silent / n:.0f} % "
+        "of the approaches.",
         numbers,
     )
 

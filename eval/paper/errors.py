@@ -47,7 +47,7 @@ def cdf(study: Study) -> Panel:
             role="reproduced",
             tolerance=READ * 4.0,
             note="without velocity the RSS alone cannot tell coloured noise from a change of range: 1 dB is "
-            f"{LN10 / (10.0 * study.channel.path_loss_factor):.1%} of the range, and the noise stays for "
+            f"{10.0 * LN10 / study.channel.path_loss_factor:.1f} % of the range, and the noise stays for "
             f"{study.channel.coloured_tc_s:g} s; Var(w) {study.noise_m2_ps('coloured'):.3g} m²/s; {runs}",
         ),
         Number(
@@ -57,7 +57,7 @@ def cdf(study: Study) -> Panel:
             seen=over(least / kalman),
             role="claim",
             relation="at least",
-            note=f"the filter is better in {np.mean(kalman < least):.0%} of {runs}",
+            note=f"the filter is better in {100.0 * np.mean(kalman < least):.0f} % of {runs}",
         ),
     )
     return Panel(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import asdict
 
 import numpy as np
 
@@ -177,7 +176,7 @@ def _run(study: Study) -> str:
     )
     facts = {
         "seed": study.seed,
-        **{SIZES[name]: f"{value:,}" for name, value in asdict(study.size).items()},
+        **{SIZES[name]: f"{value:,}" for name, value in study.size.to_dict().items()},
         "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
     }
     listed = "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>\n" for name, value in facts.items())

@@ -188,8 +188,8 @@ def distances(study: Study) -> Panel:
             unit="m",
             role="claim",
             relation="at most",
-            note=f"(45) is centred on u_i(n) while the distance counts at n+1: {share / changed_steps:.0%} of the "
-            f"changed way points fall short; {runs}",
+            note="(45) is centred on u_i(n) while the distance counts at n+1: "
+            f"{100.0 * share / max(changed_steps, 1):.0f} % of the changed way points fall short; {runs}",
         ),
         Number(
             id="fig14-step",
@@ -204,7 +204,7 @@ def distances(study: Study) -> Panel:
         ),
         Number(
             id="fig14-flown",
-            what="the same with the zone round u_i(n+1)",
+            what="largest shortfall of the new distance below S, zone round u_i(n+1)",
             paper=0.0,
             seen=exact(short["flown"].max(), study.size.pairs),
             unit="m",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from rss_gym.eval.paper.flights import PERIOD_S, Flight, paper_flights, tuning_flights
-from rss_gym.params import Channel, Navigation, load_channel
+from rss_gym.params import Channel, Group, Navigation, load_channel, number
 from rss_gym.radio import RadioLog, simulate
 from rss_gym.ranging.track import Tuning, track
 
@@ -23,17 +23,17 @@ NOISE_GRID_M2_PS = 10.0 ** np.arange(-3.0, 3.01, 0.25)
 RECORDS_APART = 2**20  # numbers of records that one flight may use
 
 
-@dataclass(frozen=True)
-class Size:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Size(Group):
     """How much is run."""
 
-    repetitions: int = 400  # of the twelve flights
-    tuning: int = 40  # of the eight
-    circular: int = 20  # repetitions with gamma from the filter's own distances
-    allan: int = 40  # records of an hour
-    trials: int = 100_000_000
-    approaches: int = 1_000_000
-    pairs: int = 1_000
+    repetitions: int = number(400, 2, 10_000)  # of the twelve flights
+    tuning: int = number(40, 1, 10_000)  # of the eight
+    circular: int = number(20, 1, 10_000)  # repetitions with gamma from the filter's own distances
+    allan: int = number(40, 2, 1_000)  # records of an hour
+    trials: int = number(100_000_000, 1000, 2**31)
+    approaches: int = number(1_000_000, 100, 10**8)
+    pairs: int = number(1_000, 10, 10**6)
 
 
 QUICK = Size(repetitions=40, tuning=10, circular=4, allan=10, trials=2_000_000, approaches=20_000, pairs=200)
@@ -72,10 +72,10 @@ class Flown:
     def of(cls, flights: tuple[Flight, ...], channel: Channel, repetitions: int, seed: int) -> Flown:
         """Simulate."""
         logs, rates = [], []
-        for number, flight in enumerate(flights):
+        for n, flight in enumerate(flights):
             distance = np.broadcast_to(flight.distance_m, (repetitions, len(flight.time_s)))
-            logs.append(simulate(distance, PERIOD_S, channel, seed, RECORDS_APART * number))
-            rates.append(_measured_rates(flight, repetitions, np.random.default_rng([seed, number])))
+            logs.append(simulate(distance, PERIOD_S, channel, seed, RECORDS_APART * n))
+            rates.append(_measured_rates(flight, repetitions, np.random.default_rng([seed, n])))
         return cls(flights, tuple(logs), tuple(rates))
 
     def errors_m(self, method: Method, channel: Channel, noise_m2_ps: float) -> Floats:

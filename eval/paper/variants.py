@@ -65,14 +65,14 @@ def noise(study: Study) -> Panel:
         ),
         Number(
             id="fig11a-white-same",
-            what="the same with the process noise of the coloured filter, 80 %",
+            what="error of the white filter (R alone) with the process noise of the coloured one, 80 %",
             paper=8.5,
             seen=over(p80_same),
             unit="m",
             role="reproduced",
             tolerance=READ * 8.5,
             note=f'the paper\'s "other parameters were the same"; Var(w) {study.noise_m2_ps("coloured"):.3g} m²/s; '
-            "{runs}",
+            f"{runs}",
         ),
         Number(
             id="fig11a-gain",
@@ -85,20 +85,18 @@ def noise(study: Study) -> Panel:
         ),
         Number(
             id="fig11a-gain-same",
-            what="the same with the white filter of R alone and equal process noise",
+            what="error of the white filter (R alone) over that of the coloured one, equal process noise, 80 %",
             paper=2.0,
             seen=over(p80_same / p80["coloured"]),
             role="claim",
             relation="at least",
-            note='"the other parameters were the same": how much of the paper\'s factor may come from tuning one '
-            "filter only",
+            note="both with the process noise of the coloured filter: what tuning one filter only may contribute",
         ),
     )
     return Panel(
         "Figure 11 (a): white and coloured noise",
         drawing.markup,
-        "80 % of the errors are within about 4 m with the coloured noise model and within about 8.5 m with the white "
-        "one.",
+        "80 % of the errors are within about 4 m with the coloured noise model, about 8.5 m with the white one.",
         f"Within {np.median(p80['coloured']):.1f} m and {np.median(p80['white']):.1f} m, both tuned. The models "
         f"differ in the uncertainty they state: the squared error is in the mean {_nees(study, 'coloured'):.1f} times "
         f"the stated variance with the coloured model, {_nees(study, 'white'):.1f} times with the white one (R + S) "
@@ -148,7 +146,7 @@ def path_loss_factor(study: Study) -> Panel:
         ),
         Number(
             id="fig11b-circular",
-            what="the same with γ fitted to the filter's own distances",
+            what="error with γ fitted to the filter's own distances over that with the best fixed γ, worst level",
             paper=1.0,
             seen=over(worst(circular)),
             role="claim",

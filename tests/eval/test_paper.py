@@ -53,6 +53,7 @@ def test_every_entry_has_its_fields(small, entries):
             assert isinstance(entry[name], kind), (entry["id"], name)
         assert entry["role"] in ROLES and entry["relation"] in RELATIONS
         assert entry["low"] <= entry["measured"] <= entry["high"] and math.isfinite(entry["high"] - entry["low"])
+        assert not any(mark in entry["what"] + entry["note"] for mark in ("{", "nan", "inf ", "None"))
         assert entry["what"] and (entry["note"] or entry["low"] == entry["high"])
 
 
@@ -100,6 +101,7 @@ def test_page_is_whole_and_fetches_nothing(small, folder):
     text = (folder / paper.PAGE).read_text(encoding="utf-8")
     assert len(small.panels) == len(paper.FIGURES) == text.count("<svg")
     for panel in small.panels:
+        assert not any(mark in panel.paper + panel.here for mark in ("{", "nan", "inf ", "None"))
         assert panel.markup.count("<path") > 5 and panel.paper and panel.here and panel.title in text
     assert "default-src 'none'" in text
     assert not re.search(r'\b(?:src|href)="(?!#)', text.replace('xmlns:xlink="http', ""))
@@ -186,6 +188,12 @@ def test_a_number_that_makes_no_sense_is_refused(changes):
         number(**changes)
 
 
+@pytest.mark.parametrize("changes", [{"repetitions": 1}, {"trials": 0}, {"approaches": 1.5}])
+def test_a_size_that_is_too_small_is_refused(changes):
+    with pytest.raises(ParamsError, match=next(iter(changes))):
+        paper.Size(**changes)
+
+
 def test_markdown_has_a_row_for_each_number(small):
     lines = page.markdown(small.numbers).splitlines()
     assert len(lines) == len(small.numbers) + 2
@@ -200,8 +208,9 @@ def test_the_command_refuses_an_existing_folder_before_it_runs(capsys, tmp_path)
     assert (tmp_path / "mine.txt").read_text() == "precious"
 
 
-def test_the_command_refuses_a_bad_seed(capsys, tmp_path):
-    assert main(["paper", "--seed", "-1", "--out", str(tmp_path / "out")]) == 2
+@pytest.mark.parametrize("seed", ["-1", str(2**31)])
+def test_the_command_refuses_a_bad_seed(capsys, tmp_path, seed):
+    assert main(["paper", "--seed", seed, "--out", str(tmp_path / "out")]) == 2
     assert "seed" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
