@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def put(path: Path, text: str) -> None:
     """Replace what stands between the markers `<!-- paper -->` of a file."""
-    marked = r"(<!-- paper -->\n).*?(\n<!-- /paper -->)"
-    path.write_text(re.sub(marked, lambda found: found[1] + text + found[2], path.read_text(), flags=re.DOTALL))
+    marked = r"(<!-- paper -->\n).*?(<!-- /paper -->)"
+    path.write_text(re.sub(marked, lambda found: f"{found[1]}{text}\n{found[2]}", path.read_text(), flags=re.DOTALL))
 
 
 def main() -> None:
