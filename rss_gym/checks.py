@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from rss_gym.params import ParamsError
 
-Floats = npt.NDArray[np.floating[Any]]
+Floats = npt.NDArray[np.floating[Any]]  # what NumPy says its arithmetic returns
 
 
 def finite(
@@ -20,7 +20,7 @@ def finite(
     low: float = -math.inf,
     high: float = math.inf,
     dimensions: tuple[int, ...] = (),
-) -> Floats:
+) -> npt.NDArray[np.float64]:
     """`value` as an array of float64, all of it finite and in [low, high].
 
     With `dimensions` it must not be empty and have one of these numbers of dimensions.
@@ -57,7 +57,7 @@ def single(name: str, value: npt.ArrayLike, low: float = -math.inf, high: float 
     return float(array)
 
 
-def together(**given: tuple[npt.ArrayLike, *tuple[float, ...]]) -> tuple[Floats, ...]:
+def together(**given: tuple[npt.ArrayLike, *tuple[float, ...]]) -> tuple[npt.NDArray[np.float64], ...]:
     """Each argument, a value with its limits if any, as `finite` gives it, broadcast against the others.
 
     Raises
@@ -65,7 +65,7 @@ def together(**given: tuple[npt.ArrayLike, *tuple[float, ...]]) -> tuple[Floats,
     ParamsError
         As `finite`, or naming the shapes that do not broadcast.
     """
-    arrays = {name: finite(name, value, *value) for name, value in given.items()}
+    arrays = {name: finite(name, *value) for name, value in given.items()}
     try:
         return tuple(np.broadcast_arrays(*arrays.values()))
     except ValueError:
@@ -73,7 +73,7 @@ def together(**given: tuple[npt.ArrayLike, *tuple[float, ...]]) -> tuple[Floats,
         raise ParamsError(f"the arguments' shapes must broadcast against each other, got {shapes}") from None
 
 
-def distances(values: npt.ArrayLike, dimensions: tuple[int, ...] = (1, 2)) -> Floats:
+def distances(values: npt.ArrayLike, dimensions: tuple[int, ...] = (1, 2)) -> npt.NDArray[np.float64]:
     """`values` as true distances, `distance_m`: an array of finite numbers above 0."""
     array = finite("distance_m", values, dimensions=dimensions)
     if array.min() <= 0.0:
