@@ -44,9 +44,7 @@ class Calibration:
     notes: tuple[str, ...]
 
 
-def calibrate(
-    fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), notes: Sequence[str] = ()
-) -> Calibration:
+def calibrate(fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), notes: Sequence[str] = ()) -> Calibration:
     """Fit a channel, tune the estimators on the same records, and compare them on others.
 
     Parameters
@@ -89,6 +87,7 @@ def _notes(found: Fit, tested: Sequence[LogRecord]) -> list[str]:
     for link, reason in found.excluded.items():
         rows = sum(len(record.time_s) for record in tested if record.link == link)
         notes.append(f"link {link!r} is left out, with {rows:,} samples of the test: {reason}")
-    new = [link for link in dict.fromkeys(record.link for record in tested) if link not in {*found.links, *found.excluded}]
+    known = {*found.links, *found.excluded}
+    new = [link for link in dict.fromkeys(record.link for record in tested) if link not in known]
     notes += [f"link {link!r} was not fitted: it is tested with the path loss of the channel" for link in new]
     return notes

@@ -32,7 +32,7 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """What one method reached: `ranges_m` record by record, and figures of the absolute range error over all samples."""
+    """What one method reached: ranges record by record, and figures of the absolute error over all samples."""
 
     ranges_m: tuple[Floats, ...]
     p50_m: Figure
@@ -49,8 +49,8 @@ def compare(
     """Every method on the same records.
 
     The path loss of a link is the one fitted for it, or the channel's if the link is new. Intervals are percentiles of
-    2,000 bootstrap samples of whole records (a link on a flight), as errors within one are correlated; they are the same
-    records for every method.
+    2,000 bootstrap samples of whole records (a link on a flight), as errors within one are correlated; every method has
+    the same samples.
     """
     counts = _resamples(len(records))
     scores = {}

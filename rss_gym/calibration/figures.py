@@ -16,6 +16,8 @@ from rss_gym.radio.checks import Floats
 
 LINKS_SHOWN = 12
 _POINTS, _LINE = 250, 600  # samples drawn of a link, of a curve: the page stays small
+_WIDTH_IN = 11.0
+_BESIDE: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.01, 0.5), "borderaxespad": 0.0}
 # A method and the same with psi share a colour, the latter dashed.
 METHOD_COLOURS = {
     "constant": NOMINAL, "ls": COLOURS[7], "ls-window": COLOURS[6], "ekf-white-r": COLOURS[4], "ekf-white": COLOURS[1],
@@ -36,7 +38,9 @@ def colour_of(name: str) -> str:
 def errors(result: Calibration) -> str:
     """Distribution of the absolute range error, a curve a method."""
     truth_m = np.concatenate([record.distance_m for record in result.tested])
-    with figure("Share of samples whose range error is below a limit, for each method", height_in=4.0) as drawing:
+    with figure(
+        "Share of samples whose range error is below a limit, for each method", width_in=8.6, height_in=4.0
+    ) as drawing:
         axes, ends = drawing.axes, []
         for name, method in result.methods.items():
             error_m = np.abs(np.concatenate(result.scores[name].ranges_m) - truth_m)
@@ -49,21 +53,21 @@ def errors(result: Calibration) -> str:
         axes.axhline(SHARES[1], color=MUTED, linewidth=0.8, linestyle=(0, (2, 3)))
         axes.set(xlim=(0.0, 1.1 * float(np.median(ends))), ylim=(0.0, 1.0))
         axes.set(xlabel="absolute range error, m", ylabel="share of samples")
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
+        axes.legend(**_BESIDE)
     return drawing.markup
 
 
 def path_loss(result: Calibration) -> str:
     """RSS against distance, a panel a link, with the link's fit and the channel."""
     links = list(result.fit.links.items())[:LINKS_SHOWN]
-    columns = min(4, len(links))
+    columns = min(4, len(links)) if len(links) % 3 else 3
     rows = math.ceil(len(links) / columns)
-    size = {"height_in": 3.6, "width_in": 7.0} if len(links) == 1 else {"height_in": 0.6 + 1.9 * rows, "width_in": 9.0}
+    width_in, height_in = (7.0, 3.8) if len(links) == 1 else (_WIDTH_IN, 0.6 + 1.9 * rows)
     everything_m = np.concatenate([link.distance_m for _, link in links])
     line_m = np.geomspace(everything_m.min(), everything_m.max(), 40)
     with figure(
-        "RSS against distance with the fitted path loss of each link", rows, columns, **size,
-        sharex=True, sharey=True, squeeze=False,
+        "RSS against distance with the fitted path loss of each link", rows, columns, width_in=width_in,
+        height_in=height_in, sharex=True, sharey=True, squeeze=False,
     ) as drawing:  # fmt: skip
         panels = drawing.axes.ravel()
         for axes, (name, link) in zip(panels, links, strict=False):
@@ -74,16 +78,19 @@ def path_loss(result: Calibration) -> str:
             axes.plot(line_m, received(line_m, result.fit.channel), color=INK, linewidth=1.0, linestyle="--")
             fit = link.path_loss
             factor = f"γ = {fit.path_loss_factor:.2f} ± {1.96 * fit.path_loss_factor_std:.2f}"
-            axes.set_title(f"{shortened(name)}   {factor}", loc="left")
+            axes.set_title(f"{shortened(name)}: {factor}", loc="left")
             axes.set_xscale("log")
-        for axes in panels[len(links) :]:
+        for above, axes in zip(panels[len(links) - columns :], panels[len(links) :], strict=False):
             axes.set_visible(False)
+            above.tick_params(labelbottom=True)
         _plain_logarithm(panels[0].xaxis, everything_m)
         canvas = panels[0].figure
         canvas.supxlabel("distance, m", color=MUTED, fontsize=9.0)
         canvas.supylabel("RSS, dBm", color=MUTED, fontsize=9.0)
         handles = panels[0].get_lines()
-        canvas.legend(handles, ["samples", "fit of the link", "channel"], loc="outside upper right", ncols=3)
+        canvas.legend(
+            handles, ["samples", "fit of the link", "channel"], loc="outside upper right", ncols=3, markerscale=2.0
+        )
     return drawing.markup
 
 
@@ -92,7 +99,9 @@ def allan(result: Calibration) -> str:
     noise, curve = result.fit.noise, result.fit.noise.curve
     low, high = curve.interval()
     m = np.geomspace(1.0, float(curve.clusters[-1]), 100)
-    with figure("Allan variance of the residuals with the fitted white and coloured noise", height_in=3.6) as drawing:
+    with figure(
+        "Allan variance of the residuals with the fitted white and coloured noise", width_in=8.6, height_in=3.8
+    ) as drawing:
         axes = drawing.axes
         sides = [curve.variance_db2 - low, high - curve.variance_db2]
         tau_s = m * curve.period_s
@@ -111,7 +120,8 @@ def allan(result: Calibration) -> str:
         axes.set_ylim(0.5 * float(low.min()), 2.0 * float(min(high.max(), 4.0 * curve.variance_db2.max())))
         _plain_logarithm(axes.xaxis, curve.tau_s)
         _plain_logarithm(axes.yaxis, np.array(axes.get_ylim()))
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
+        handles, labels = axes.get_legend_handles_labels()
+        axes.legend(handles[-1:] + handles[:-1], labels[-1:] + labels[:-1], **_BESIDE)
     return drawing.markup
 
 
@@ -124,7 +134,7 @@ def residual(result: Calibration) -> str:
     everything = np.concatenate([link.path_loss.residual_db for link in result.fit.links.values()])
     std = float(everything.std())
     with figure(
-        "Residual over time, and distribution of all residuals", 1, 2, height_in=2.8, width_in=9.0,
+        "Residual over time, and distribution of all residuals", 1, 2, height_in=2.8, width_in=_WIDTH_IN,
         sharey=True, width_ratios=[3.2, 1.0],
     ) as drawing:  # fmt: skip
         left, right = drawing.axes
@@ -157,19 +167,20 @@ def ranges(result: Calibration) -> str:
     order = np.argsort(p80_m, kind="stable")
     chosen = {int(order[0]): "best", int(order[len(order) // 2]): "middle", int(order[-1]): "worst"}
     with figure(
-        "True and estimated range over time", len(chosen), 1, width_in=9.0, height_in=0.5 + 2.1 * len(chosen),
+        "True and estimated range over time", len(chosen), 1, width_in=_WIDTH_IN, height_in=0.5 + 2.1 * len(chosen),
         squeeze=False,
     ) as drawing:  # fmt: skip
         panels = drawing.axes.ravel()
         for axes, (k, rank) in zip(panels, sorted(chosen.items(), key=lambda item: p80_m[item[0]]), strict=True):
             _over_time(axes, result, result.tested[k], k)
             record = result.tested[k]
-            which = f"{rank} record: {shortened(record.link)}, {shortened(record.source, 40)}" if len(chosen) > 1 else ""
-            axes.set_title(f"{which}   80 % within {p80_m[k]:.2g} m".strip(), loc="left")
+            which = f"{rank} record: " if len(chosen) > 1 else ""
+            name = f"{shortened(record.link)}, {shortened(record.source, 40)}"
+            axes.set_title(f"{which}{name}; coloured EKF: 80 % within {p80_m[k]:.2g} m", loc="left")
             axes.set_ylabel("range, m")
         panels[-1].set_xlabel("time, s")
         handles, labels = panels[0].get_legend_handles_labels()
-        panels[0].figure.legend(handles, labels, loc="outside upper left", ncols=len(labels))
+        panels[0].figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), markerscale=3.0)
     return drawing.markup
 
 
@@ -197,10 +208,11 @@ def shortened(name: str, length: int = 14) -> str:
 
 
 def _plain_logarithm(axis: Any, values: Floats) -> None:
-    """Ticks 1, 2, 5, 10, ... of a logarithmic axis, as plain numbers; decades alone on a long one."""
+    """Ticks of a logarithmic axis as plain numbers, more of them on a short one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    long = math.log10(float(values.max()) / float(values.min())) > 2.5
-    axis.set_major_locator(LogLocator(subs=(1.0,) if long else (1.0, 2.0, 5.0)))
+    decades = math.log10(float(values.max()) / float(values.min()))
+    steps = (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
+    axis.set_major_locator(LogLocator(subs=steps))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -89,10 +89,10 @@ class Fit:
 def fit(records: Sequence[LogRecord]) -> Fit:
     """Calibrate a channel.
 
-    Per link, path loss factor and offset together by least squares; then white and coloured noise from the Allan curve of
-    all residuals; then the standard errors of the first two, which depend on that noise. The channel has the median
-    factor of the links, and the offset that gives their median RSS at the middle distance (the mean of log d): the medians
-    of factor and offset taken apart would be a line far from all of theirs.
+    Per link, path loss factor and offset together by least squares; then white and coloured noise from the Allan curve
+    of all residuals; then the standard errors of the first two, which depend on that noise. The channel has the median
+    factor of the links, and the offset that gives their median RSS at the middle distance (the mean of log d): the
+    medians of factor and offset by themselves would be a line far from all of theirs.
 
     Raises
     ------

@@ -47,10 +47,10 @@ METHODS: dict[str, Method] = {
     "ekf-coloured-literal": Method("coloured EKF, literal start", "ekf-coloured-literal", _RANGE),
     "ekf-coloured": Method("coloured EKF", "ekf-coloured", _RANGE),
     "ekf-log": Method("coloured EKF, state ln d", "ekf-log", _LOG),
-    "ekf-white-r-rate": Method("white EKF, R alone, with psi", "ekf-white-r", _RANGE_RATE, "ekf-white-r"),
-    "ekf-white-rate": Method("white EKF, R + S, with psi", "ekf-white", _RANGE_RATE, "ekf-white"),
-    "ekf-coloured-rate": Method("coloured EKF, with psi", "ekf-coloured", _RANGE_RATE, "ekf-coloured"),
-    "ekf-log-rate": Method("coloured EKF, state ln d, with psi", "ekf-log", _LOG_RATE, "ekf-log"),
+    "ekf-white-r-rate": Method("white EKF, R alone, with range rate", "ekf-white-r", _RANGE_RATE, "ekf-white-r"),
+    "ekf-white-rate": Method("white EKF, R + S, with range rate", "ekf-white", _RANGE_RATE, "ekf-white"),
+    "ekf-coloured-rate": Method("coloured EKF, with range rate", "ekf-coloured", _RANGE_RATE, "ekf-coloured"),
+    "ekf-log-rate": Method("coloured EKF, state ln d, with range rate", "ekf-log", _LOG_RATE, "ekf-log"),
 }
 
 

@@ -1,4 +1,4 @@
-"""What a calibration leaves behind: the channel as TOML, the folder of its report, everything as a dict, a table to print."""
+"""What a calibration leaves behind: the channel as TOML, the report's folder, a dict for JSON, a table to print."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from typing import Any
 import rss_gym
 from rss_gym.calibration.calibrate import Calibration
 from rss_gym.calibration.compare import FIGURES, Figure
-from rss_gym.calibration.logs import LogRecord
 from rss_gym.calibration.fit import Fit
+from rss_gym.calibration.logs import LogRecord
 from rss_gym.files import check_new, new_folder
 from rss_gym.pages.figure import require_figures
 from rss_gym.params import ParamsError, load_channel
@@ -73,13 +73,10 @@ def save(result: Calibration, out: str | os.PathLike[str], report: str | os.Path
 def comment(result: Calibration) -> str:
     """The lines above the channel's table: what it was fitted on, how sure it is, how well it ranged."""
     fit, noise = result.fit, result.fit.noise
-    factors = [link.path_loss.path_loss_factor for link in fit.links.values()]
     coloured, constant = result.scores["ekf-coloured"].p80_m.value, result.scores["constant"].p80_m.value
     lines = [
         f"Fitted by rss-gym calibrate to {part(fit.records, result.own_logs, 'first two thirds')}.",
-        f"Path loss factor: median of {len(factors)}, {min(factors):.2f} to {max(factors):.2f}."
-        if len(factors) > 1
-        else f"Standard error of the path loss factor: {next(iter(fit.links.values())).path_loss.path_loss_factor_std:.2f}.",
+        f"Path loss factor: {_factors(fit)}.",
         f"Standard errors of the noise: white {noise.white_variance_std_db2:.2g} dB^2, coloured "
         f"{noise.coloured_variance_std_db2:.2g} dB^2, time {noise.coloured_tc_std_s:.2g} s.",
         f"80 % of the range errors, coloured filter: within {coloured:.3g} m (constant guess {constant:.3g} m), on "
@@ -154,10 +151,8 @@ def _method(result: Calibration, name: str) -> dict[str, Any]:
 def table(result: Calibration) -> str:
     """What the command prints."""
     fit, channel, noise = result.fit, result.fit.channel, result.fit.noise
-    factors = [link.path_loss.path_loss_factor for link in fit.links.values()]
     found = {
-        "path loss factor": f"{channel.path_loss_factor:.2f}"
-        + (f" ({min(factors):.2f} to {max(factors):.2f} over {len(factors)} links)" if len(factors) > 1 else ""),
+        "path loss factor": _factors(fit),
         "offset": f"{channel.offset_dbm:.1f} dBm",
         "white noise": f"{noise.white_variance_db2:.3g} ± {noise.white_variance_std_db2:.2g} dB²",
         "coloured noise": f"{noise.coloured_variance_db2:.3g} ± {noise.coloured_variance_std_db2:.2g} dB²",
@@ -174,6 +169,7 @@ def table(result: Calibration) -> str:
         [
             *textwrap.wrap(f"fitted: {part(fit.records, result.own_logs, 'first two thirds')}", _WIDTH),
             *textwrap.wrap(f"tested: {part(result.tested, result.own_logs, 'last third')}", _WIDTH),
+            "found, with standard errors:",
             *(f"  {name:<16}  {value}" for name, value in found.items()),
             "",
             *lines,
@@ -181,6 +177,15 @@ def table(result: Calibration) -> str:
             *(f"warning: {warning}" for warning in fit.warnings),
         ]
     )
+
+
+def _factors(fit: Fit) -> str:
+    """The channel's path loss factor, with its standard error or the spread of the links."""
+    value, fits = fit.channel.path_loss_factor, [link.path_loss for link in fit.links.values()]
+    if len(fits) == 1:
+        return f"{value:.2f} ± {fits[0].path_loss_factor_std:.2g}"
+    factors = [one.path_loss_factor for one in fits]
+    return f"{value:.2f}, the median of {len(fits)} links, {min(factors):.2f} to {max(factors):.2f}"
 
 
 def cell(figure: Figure) -> str:

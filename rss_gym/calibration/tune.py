@@ -13,7 +13,7 @@ from rss_gym.ranging.track import Tuning
 SHARE = 0.8
 """The criterion is this quantile of the absolute range error over all samples of the fitted part."""
 # Candidates for a process noise, a quarter of a decade apart: m^2/s for the range, 1/s for its logarithm.
-GRID = 10.0 ** np.arange(-5.0, 4.01, 0.25)
+GRID = 10.0 ** np.arange(-8.0, 4.01, 0.25)
 _CEILING_RATIO = 10.0
 
 
