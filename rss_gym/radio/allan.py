@@ -108,7 +108,7 @@ def allan_curve(values: Any, period_s: float, clusters: Sequence[int] | None = N
         total = np.concatenate(([0.0], np.cumsum(record - record.mean())))
         for i in np.flatnonzero(2 * m <= n):
             step = total[2 * m[i] :] - 2.0 * total[m[i] : -m[i]] + total[: -2 * m[i]]
-            squares[i] += step @ step
+            squares[i] += np.sum(step * step)
             differences[i] += len(step)
             freedom[i] += _freedom(n, int(m[i]))
     return AllanCurve(
@@ -209,7 +209,8 @@ def allan_covariance(curve: AllanCurve, white_variance_db2: float, noise: GaussM
         r = irfft(spectra[i] * power * spectra[i:].conj(), size)
         for j, other in enumerate(curve.clusters[i:], start=i):
             pairs = sum(count * _pairs(n + 1 - 2 * m, n + 1 - 2 * other, k) for n, count in records.items())
-            result[i, j] = result[j, i] = 2.0 * pairs @ (r[j - i] * r[j - i])
+            # Not a dot product: BLAS would start threads for it, which costs more than it saves.
+            result[i, j] = result[j, i] = 2.0 * np.sum(pairs * r[j - i] * r[j - i])
     return result / np.outer(curve.differences, curve.differences)
 
 

@@ -27,8 +27,8 @@ _FLOOR = 1e-6  # a variance below this share of the Allan curve's largest value 
 class NoiseFit:
     """White variance R, Gauss-Markov variance S and time Tc, each with its standard error.
 
-    `misfit` is the p-value of the curve's deviations from the model: small if the noise is not white plus Gauss-Markov
-    (1 where three points leave no deviations). `warnings` are sentences on what the record cannot tell.
+    `misfit` is the p-value of the curve's deviations from the model: small if the noise is not white plus Gauss-Markov.
+    `warnings` are sentences on what the record cannot tell.
     """
 
     white_variance_db2: float
@@ -137,8 +137,6 @@ def _errors(
     project = np.eye(len(m)) - basis @ basis.T
     form = project @ covariance @ project
     mean, half_variance = float(np.trace(form)), float(np.sum(form * form))
-    if len(m) <= 3 or mean <= 0.0:
-        return errors, 1.0
     return errors, float(chdtrc(mean * mean / half_variance, float(residual @ residual) * mean / half_variance))
 
 
