@@ -1,7 +1,7 @@
 """One loop runs every filter of range over a batch of records; a filter is the functions that it is given.
 
-A state is the tuple (x, phi, p_xx, p_xp, p_pp): x is the range in m or its logarithm, phi the coloured noise in dB (0 in a
-filter without it), then their covariance. Samples may be irregular, missing, or absent at the start.
+A state is the tuple (x, phi, p_xx, p_xp, p_pp): x is the range in m or its logarithm, phi the coloured noise in dB (0
+in a filter without it), then their covariance. Samples may be irregular, missing, or absent at the start.
 """
 
 from typing import NamedTuple

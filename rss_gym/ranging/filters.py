@@ -30,7 +30,7 @@ def white_prior(setting):
 
 @inner
 def literal(rss_dbm, setting):
-    """d(0) and its ceiling and floor: the first sample inverted. The paper's d_0 of Sec. IV is not given a value."""
+    """d(0): the first sample inverted. The paper writes d(0) = d_0, which elsewhere is 1 m: a start at the antenna."""
     d, _ = invert(
         rss_dbm, setting.offset_dbm, setting.path_loss_factor, 0.0, setting.range_floor_m, setting.range_ceiling_m
     )
@@ -39,24 +39,21 @@ def literal(rss_dbm, setting):
 
 @inner
 def start_coloured(state, rss_dbm, setting):
-    """`coloured.start`; literally d(0) of the first sample, phi(0) = 0 and P(0) = I."""
+    """`coloured.start`, the range held above its floor; literally d(0) of the first sample, phi(0) = 0 and P(0) = I."""
     if setting.literal:
         return literal(rss_dbm, setting), 0.0, 1.0, 0.0, 1.0
-    return coloured_start(
-        setting.prior_range_m, setting.prior_std_m, setting.coloured_variance_db2, rss_dbm,
+    d, phi, p_dd, p_dp, p_pp = coloured_start(
+        setting.prior_range_m, setting.prior_std_m, state[4], rss_dbm,
         setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2,
     )  # fmt: skip
+    return max(d, setting.range_floor_m), phi, p_dd, p_dp, p_pp
 
 
 @inner
 def start_white(state, rss_dbm, setting):
-    """`coloured.start` without coloured noise, as in the world; literally P(0) = 1."""
-    if setting.literal:
-        return literal(rss_dbm, setting), 0.0, 1.0, 0.0, 0.0
-    return coloured_start(
-        setting.prior_range_m, setting.prior_std_m, 0.0, rss_dbm,
-        setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2,
-    )  # fmt: skip
+    """The same without coloured noise, as in the world; literally P(0) = 1."""
+    d, phi, p_dd, p_dp, _ = start_coloured(state, rss_dbm, setting)
+    return d, phi, p_dd, p_dp, 0.0
 
 
 @inner

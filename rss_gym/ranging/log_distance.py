@@ -52,9 +52,7 @@ def innovate(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, wh
 def update(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2, floor_m):
     """(18)-(21) with the constant row h = (-10 gamma / ln 10, 1), Joseph form; the range stays above `floor_m`."""
     h = -10.0 * path_loss_factor / LN10
-    error, variance = innovate(
-        x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2
-    )
+    error, variance = innovate(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2)
     k_x, k_p = (p_xx * h + p_xp) / variance, (p_xp * h + p_pp) / variance
     i_xx, i_xp, i_px, i_pp = 1.0 - k_x * h, -k_x, -k_p * h, 1.0 - k_p
     m_xx, m_xp = i_xx * p_xx + i_xp * p_xp, i_xx * p_xp + i_xp * p_pp

@@ -1,10 +1,10 @@
 """The path loss factor from known distances by the damped Gauss-Newton iteration, (22)-(28).
 
 (25) misprints its step; Theorem 1 and the appendix have Theta = [J^T J]^-1 J^T e with J = dF / dgamma = -10 log10 d,
-used here. F is linear in gamma, so the minimum also has a closed form and the error of gamma shrinks by 1 - theta a step.
+used here. F is linear in gamma, so the minimum also has a closed form; each step multiplies gamma's error by 1 - theta.
 
-The distances must not come from a filter that holds gamma: RSS shows only the product gamma log10 d, and gamma fitted to
-the filter's own ranges drifts. Take them from GNSS, known geometry or integrated velocity.
+The distances must not come from a filter that holds gamma: RSS shows only the product gamma log10 d, and gamma fitted
+to the filter's own ranges drifts. Take them from GNSS, known geometry or integrated velocity.
 """
 
 from dataclasses import dataclass
@@ -108,7 +108,7 @@ def estimate_path_loss_factor(
     mu_db2: float = 1e-9,
     iterations: int = 100,
 ) -> PathLossFactor:
-    """gamma of one window of samples by (22)-(28).
+    """Path loss factor of one window of samples by (22)-(28).
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def adaptive(
     iterations: int = 50,
     limits: tuple[float, float] = GAMMA_LIMITS,
 ) -> np.ndarray:
-    """gamma(n) along a record, each from the last M samples and started at gamma(n-1).
+    """Path loss factor along a record, gamma(n), each from the last M samples and started at gamma(n-1).
 
     Parameters
     ----------
@@ -200,7 +200,9 @@ def _pair(distance_m: Any, name: str, values: Any) -> tuple[np.ndarray, np.ndarr
         if np.isinf(arrays[-1]).any():
             raise ParamsError(f"{label} must be finite or NaN, got an infinite value")
     if arrays[0].ndim != 1 or arrays[0].shape != arrays[1].shape:
-        raise ParamsError(f"distance_m and {name} must have one shape (n,), got {arrays[0].shape} and {arrays[1].shape}")
+        raise ParamsError(
+            f"distance_m and {name} must have one shape (n,), got {arrays[0].shape} and {arrays[1].shape}"
+        )
     if np.any(arrays[0] <= 0.0):
         raise ParamsError(f"distance_m must be above 0 m, got {np.nanmin(arrays[0]):g}")
     return np.log10(arrays[0]), arrays[1]

@@ -7,7 +7,7 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -72,12 +72,13 @@ class Track:
     range_m, coloured_db : numpy.ndarray
         Range (m) and coloured noise (dB; NaN with "ls" and "ls-window", 0 with the white filters).
     covariance : numpy.ndarray
-        (..., 3): p_xx, p_xp, p_pp of [x, coloured noise], x the range (m^2, m dB, dB^2) or, if `logarithmic`, its natural
-        logarithm (1, dB, dB^2).
+        (..., 3): p_xx, p_xp, p_pp of [x, coloured noise], x the range (m^2, m dB, dB^2) or, if `logarithmic`, its
+        natural logarithm (1, dB, dB^2).
     innovation_db, innovation_variance_db2 : numpy.ndarray
         Sample minus its prediction and the variance stated for it; NaN at a missing sample and where nothing is
         predicted: least squares, and the first sample of a literal start.
     logarithmic : bool
+        Whether the state is ln d.
     """
 
     range_m: np.ndarray
@@ -85,7 +86,7 @@ class Track:
     covariance: np.ndarray
     innovation_db: np.ndarray
     innovation_variance_db2: np.ndarray
-    logarithmic: bool = field(default=False)
+    logarithmic: bool = False
 
     @property
     def range_std_m(self) -> np.ndarray:
@@ -192,10 +193,12 @@ def track(
     rate = np.full((1, rss.shape[-1]), np.nan)
     if range_rate_mps is not None:
         rate = _rows("range_rate_mps", range_rate_mps, rss.shape)
-    chosen, shape = ESTIMATORS[estimator], (*np.atleast_2d(rss).shape,)
+    chosen, shape = ESTIMATORS[estimator], np.atleast_2d(rss).shape
     out = Output(*(np.full(size, np.nan) for size in (shape, shape, (*shape, 3), shape, shape)))
     chosen.run(time, np.atleast_2d(rss), rate, _setting(chosen, channel, tuning), out)
-    return Track(*(array.reshape(rss.shape + array.shape[2:]) for array in out), logarithmic=chosen.logarithmic)
+    if rss.ndim == 1:
+        out = Output(*(array[0] for array in out))
+    return Track(*out, chosen.logarithmic)
 
 
 def _setting(chosen: Estimator, channel: Channel, tuning: Tuning) -> Setting:
