@@ -69,8 +69,8 @@ def checked(file: LogFile) -> tuple[list[LogRecord], list[str]]:
         raise ParamsError(f"log {file.source!r} holds no rows; each link needs {ROWS_MIN} at least")
     if file.dropped > DROPPED_MAX * file.rows:
         raise ParamsError(
-            f"log {file.source!r}: {file.dropped} of {file.rows} rows ({file.dropped / file.rows:.1%}) have an RSS of 0 "
-            f"or above or a missing value; at most {DROPPED_MAX:.0%} may"
+            f"log {file.source!r}: {file.dropped} of {file.rows} rows ({file.dropped / file.rows:.1%}) have a missing "
+            f"value or an RSS that is not below 0; at most {DROPPED_MAX:.0%} may"
         )
     good = [record for record in file.records if record.time_s.size >= ROWS_MIN]
     short = [record for record in file.records if record.time_s.size < ROWS_MIN]
@@ -83,8 +83,8 @@ def checked(file: LogFile) -> tuple[list[LogRecord], list[str]]:
     for record in good:
         if np.ptp(record.distance_m) <= 1e-6 * record.distance_m[0]:
             raise ParamsError(
-                f"log {file.source!r}: the distance of link {record.link!r} is {record.distance_m[0]:g} m in every row; "
-                "path loss can only be fitted over distances that differ"
+                f"log {file.source!r}: the distance of link {record.link!r} is {record.distance_m[0]:g} m in every "
+                "row; path loss can only be fitted over distances that differ"
             )
     notes = [f"log {file.source!r}: {note}" for note in file.notes]
     if file.dropped:
