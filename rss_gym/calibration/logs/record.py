@@ -12,7 +12,7 @@ from rss_gym.params import ParamsError
 Floats = NDArray[np.float64]
 
 ROWS_MIN = 30  # of a link
-ROWS_MAX = 2_000_000  # of a file; at the widest layout they take 240 MB
+ROWS_MAX = 2_000_000  # of a file: at most 0.6 GB of memory while it is read, with every column there is
 DROPPED_MAX = 0.05  # share of a file's rows
 DISTANCE_LIMITS_M = (1e-3, 1e6)
 
