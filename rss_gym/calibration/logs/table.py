@@ -70,8 +70,9 @@ class _Table:
             raise ParamsError(f"log {source!r} is not a table of text: line {number} holds control characters")
         self.delimiter = max(",;\t", key=line.count)
         self.header = [name.strip() for name in self._cells(number, line)]
-        twice, count = Counter(name for name in self.header if name).most_common(1)[0]
-        if count > 1:
+        times = Counter(name for name in self.header if name)
+        twice = next((name for name in times if times[name] > 1), None)
+        if twice is not None:
             raise ParamsError(f"log {source!r}: the header names {twice[:60]!r} twice; give each column its own name")
         self.lines = lines
         self.layout: Layout = layout(self.header, columns, source)

@@ -114,6 +114,16 @@ def test_short_link_is_left_out_with_a_note(log):
         read(log(text(("t", "rss", "dist", "link"), rows[ROWS:])))
 
 
+def test_link_without_any_valid_row(log):
+    rows = [[*row, "good"] for row in plain()]
+    found = read(log(text(("t", "rss", "dist", "link"), [*rows, [9, 0, 1, "mute"], [9, -70, 1, ""]])))
+    assert [item.link for item in found] == ["good"]
+    assert found.notes == (
+        "log 'log.csv': 2 of 42 rows dropped",
+        "log 'log.csv': link 'mute' left out, 0 valid rows of 30 needed",
+    )
+
+
 def with_cell(row, column, value):
     rows = plain()
     rows[row][column] = value
@@ -126,6 +136,7 @@ def with_cell(row, column, value):
         ("", "'log.csv' is empty"),
         ("\n \n", "'log.csv' is empty"),
         ("t,rss,dist\n", "holds no rows"),
+        (",,\n1,2,3\n", "no column for t;"),
         (text(("t", "rsi", "dist"), plain()), "no column for rss.*did you mean 'rsi'"),
         (text(("t", "rss", "range"), plain()), "neither a distance nor.*known: range, rss, t"),
         (text(("t", "rss", "t"), plain()), "names 't' twice"),
