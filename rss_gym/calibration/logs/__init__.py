@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from rss_gym.calibration.logs.mavlink import read_telemetry
 from rss_gym.calibration.logs.record import LogFile, LogRecord, checked
 from rss_gym.calibration.logs.table import read_table
 from rss_gym.params import ParamsError, suggestion
@@ -14,6 +15,7 @@ __all__ = ["READERS", "LogRecord", "Logs", "read"]
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], LogFile]] = {
     "csv": read_table,
+    "mavlink": read_telemetry,
 }
 
 
@@ -70,10 +72,8 @@ def read(
 def _read_file(name: str, format: str, columns: Mapping[str, str]) -> LogFile:
     """One file by its reader; pipes and devices have no end that can be relied on, and folders are no files."""
     if not os.path.isfile(name):
-        kind = (
-            "is a folder" if os.path.isdir(name) else "is not a regular file" if os.path.exists(name) else "is missing"
-        )
-        raise ParamsError(f"log {name!r} {kind}; name a log file")
+        kind = "a folder" if os.path.isdir(name) else "no regular file" if os.path.exists(name) else "missing"
+        raise ParamsError(f"log {name!r} is {kind}; name a log file")
     try:
         return READERS[format](Path(name), columns)
     except OSError as error:

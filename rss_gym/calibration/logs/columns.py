@@ -164,8 +164,8 @@ def _no_distance(found: Mapping[str, Quantity], columns: Mapping[str, str], head
         missing = [key for key in system if key not in found]
         if columns.keys() & set(system) and missing:
             return (
-                f"log {source!r} has no column for {missing[0]}; give {missing[0]}=NAME, or a number that holds in every "
-                f"row{_of(missing[0], header)}"
+                f"log {source!r} has no column for {missing[0]}; give {missing[0]}=NAME, or a number for every row"
+                f"{_of(missing[0], header)}"
             )
     return (
         f"log {source!r} has neither a distance nor the positions of both ends; name them by dist=NAME, or by "

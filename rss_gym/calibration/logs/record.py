@@ -12,7 +12,7 @@ from rss_gym.params import ParamsError
 Floats = NDArray[np.float64]
 
 ROWS_MIN = 30  # of a link
-ROWS_MAX = 2_000_000  # of a file; at the widest layout they take 240 MB
+ROWS_MAX = 2_000_000  # of a file: at most 0.6 GB of memory while it is read, with every column there is
 DROPPED_MAX = 0.05  # share of a file's rows
 DISTANCE_LIMITS_M = (1e-3, 1e6)
 
@@ -69,8 +69,8 @@ def checked(file: LogFile) -> tuple[list[LogRecord], list[str]]:
         raise ParamsError(f"log {file.source!r} holds no rows; each link needs {ROWS_MIN} at least")
     if file.dropped > DROPPED_MAX * file.rows:
         raise ParamsError(
-            f"log {file.source!r}: {file.dropped} of {file.rows} rows ({file.dropped / file.rows:.1%}) have an RSS of 0 "
-            f"or above or a missing value; at most {DROPPED_MAX:.0%} may"
+            f"log {file.source!r}: {file.dropped} of {file.rows} rows ({file.dropped / file.rows:.1%}) have a missing "
+            f"value or an RSS that is not below 0; at most {DROPPED_MAX:.0%} may"
         )
     good = [record for record in file.records if record.time_s.size >= ROWS_MIN]
     short = [record for record in file.records if record.time_s.size < ROWS_MIN]
@@ -83,8 +83,8 @@ def checked(file: LogFile) -> tuple[list[LogRecord], list[str]]:
     for record in good:
         if np.ptp(record.distance_m) <= 1e-6 * record.distance_m[0]:
             raise ParamsError(
-                f"log {file.source!r}: the distance of link {record.link!r} is {record.distance_m[0]:g} m in every row; "
-                "path loss can only be fitted over distances that differ"
+                f"log {file.source!r}: the distance of link {record.link!r} is {record.distance_m[0]:g} m in every "
+                "row; path loss can only be fitted over distances that differ"
             )
     notes = [f"log {file.source!r}: {note}" for note in file.notes]
     if file.dropped:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import math
 from array import array
+from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn, TextIO
 
@@ -18,6 +20,7 @@ from rss_gym.params import ParamsError
 
 LINE_MAX = 65_536  # characters
 LINKS_MAX = 1000
+NAME_MAX = 60
 MISSING = frozenset(("", "na", "null"))  # and whatever float() takes for NaN
 
 
@@ -45,6 +48,15 @@ def read_table(path: Path, columns: Mapping[str, str]) -> LogFile:
         raise ParamsError(f"log {path.name!r} is not text in UTF-8: {error.reason}; save it as CSV in UTF-8") from error
 
 
+@dataclass
+class _Link:
+    """The rows kept of one link, one after the other: line number, then each quantity that is read."""
+
+    kept: array[float] = field(default_factory=lambda: array("d"))
+    last_s: float = -math.inf
+    dropped: int = 0
+
+
 class _Table:
     """The state of reading one file."""
 
@@ -58,47 +70,48 @@ class _Table:
             raise ParamsError(f"log {source!r} is not a table of text: line {number} holds control characters")
         self.delimiter = max(",;\t", key=line.count)
         self.header = [name.strip() for name in self._cells(number, line)]
-        twice = next((name for k, name in enumerate(self.header) if name and name in self.header[:k]), None)
+        times = Counter(name for name in self.header if name)
+        twice = next((name for name in times if times[name] > 1), None)
         if twice is not None:
             raise ParamsError(f"log {source!r}: the header names {twice[:60]!r} twice; give each column its own name")
         self.lines = lines
         self.layout: Layout = layout(self.header, columns, source)
-        self.read_keys = [quantity for quantity in self.layout.quantities.values() if quantity.index is not None]
+        quantities = self.layout.quantities.values()  # t and rss first
+        self.read_keys = [(quantity, quantity.index) for quantity in quantities if quantity.index is not None]
 
     def read(self) -> LogFile:
         """Every link of the file."""
-        kept: dict[str, array[float]] = {}  # of each link: line number and the quantities that are read, row by row
-        dropped: dict[str, int] = {}
-        last_s: dict[str, float] = {}
+        links: dict[str, _Link] = {}
         rows = 0
         for number, line in self.lines:
             cells = self._cells(number, line)
             rows += 1
             if len(cells) != len(self.header):
                 self._fail(number, f"{len(cells)} cells where the header has {len(self.header)} columns")
-            link = self._link(cells)
-            values = [self._number(number, quantity, cells[quantity.index or 0]) for quantity in self.read_keys]
-            if link not in kept:
-                if len(kept) == LINKS_MAX:
+            name = self._link_name(cells)
+            values = [self._number(number, quantity, cells[index]) for quantity, index in self.read_keys]
+            if name not in links:
+                if len(links) == LINKS_MAX or len(name) > NAME_MAX:
                     self._fail(
-                        number, f"over {LINKS_MAX} different links; the column of links must name the radio link"
+                        number, f"link {name[:NAME_MAX]!r}; a log has at most {LINKS_MAX} links with short names"
                     )
-                kept[link], dropped[link] = array("d"), 0
-            if not link or math.isnan(sum(values)) or values[1] >= 0.0:
-                dropped[link] += 1
+                links[name] = _Link()
+            link, time_s, rss_dbm = links[name], values[0], values[1]
+            if not name or math.isnan(sum(values)) or rss_dbm >= 0.0:
+                link.dropped += 1
                 continue
-            if values[0] <= last_s.get(link, -math.inf):
-                kind = "repeats" if values[0] == last_s[link] else "goes back from"
+            if time_s <= link.last_s:
+                fault = "a duplicate" if time_s == link.last_s else f"before the {link.last_s!r} of an earlier row"
                 self._fail(
                     number,
-                    f"column {self.read_keys[0].column!r}: time {values[0]!r} {kind} {last_s[link]!r} of link {link!r}; "
-                    "the times of a link must increase",
+                    f"time {time_s!r} of link {name!r} is {fault}; the times of a link must increase",
+                    self.read_keys[0][0].column,
                 )
-            last_s[link] = values[0]
-            kept[link].append(number)
-            kept[link].extend(values)
-        records = [self._record(link, table, dropped[link]) for link, table in kept.items() if link]
-        return LogFile(self.source, records, rows, sum(dropped.values()))
+            link.last_s = time_s
+            link.kept.append(number)
+            link.kept.extend(values)
+        records = [self._record(name, link) for name, link in links.items() if name]
+        return LogFile(self.source, records, rows, sum(link.dropped for link in links.values()))
 
     def _lines(self, file: TextIO) -> Iterator[tuple[int, str]]:
         """The lines that are not blank, with their numbers; a quoted line break is not known in logs."""
@@ -116,12 +129,12 @@ class _Table:
 
     def _cells(self, number: int, line: str) -> list[str]:
         try:
-            cells = next(csv.reader((line,), delimiter=self.delimiter, strict=True))
+            cells = next(csv.reader((line,), delimiter=self.delimiter, skipinitialspace=True, strict=True))
         except csv.Error as error:
             self._fail(number, f"not a row of a table: {error}")
         return cells
 
-    def _link(self, cells: list[str]) -> str:
+    def _link_name(self, cells: list[str]) -> str:
         """Name of the row's link, empty when missing."""
         index = self.layout.link_index
         return self.layout.link if index is None else cells[index].strip()
@@ -135,16 +148,16 @@ class _Table:
                 return math.nan
             value = math.inf
         if not (quantity.low <= value <= quantity.high or math.isnan(value)):
-            self._fail(number, f"column {quantity.column!r}: {quantity.wanted}, got {text[:60]!r}")
+            self._fail(number, f"{quantity.wanted}, got {text[:60]!r}", quantity.column)
         return value
 
-    def _record(self, link: str, table: array[float], dropped: int) -> LogRecord:
-        """Distance and range rate from what was read of one link."""
-        read = np.frombuffer(table).reshape(-1, 1 + len(self.read_keys))
-        values = {quantity.key: read[:, 1 + k] for k, quantity in enumerate(self.read_keys)}
+    def _record(self, name: str, link: _Link) -> LogRecord:
+        """Distance and range rate from what was kept of one link."""
+        kept = np.frombuffer(link.kept).reshape(-1, 1 + len(self.read_keys))
+        values = {quantity.key: kept[:, 1 + k] for k, (quantity, _) in enumerate(self.read_keys)}
 
         def of(*keys: str) -> Floats:
-            constant = np.zeros(len(read))
+            constant = np.zeros(len(kept))
             quantities = self.layout.quantities
             return np.column_stack([values.get(key, constant + quantities[key].constant) for key in keys])
 
@@ -156,7 +169,7 @@ class _Table:
             bad = np.flatnonzero((length_m < DISTANCE_LIMITS_M[0]) | (length_m > DISTANCE_LIMITS_M[1]))
             if bad.size:
                 self._fail(
-                    int(read[bad[0], 0]),
+                    int(kept[bad[0], 0]),
                     f"the positions are {length_m[bad[0]]:g} m apart; a distance must be in "
                     f"[{DISTANCE_LIMITS_M[0]:g}, {DISTANCE_LIMITS_M[1]:g}] m",
                 )
@@ -166,10 +179,10 @@ class _Table:
                 if "vx2" in self.layout.quantities:
                     relative_mps = relative_mps - of(*VELOCITY_2)
                 closing_mps = range_rate_mps(relative_m, relative_mps)
-        assert distance_m is not None
-        return LogRecord(
-            link, self.source, values["t"].copy(), of("rss")[:, 0], distance_m.copy(), closing_mps, dropped
-        )
+        assert distance_m is not None  # the layout has it, or positions
+        time_s, rss_dbm = values["t"].copy(), values["rss"].copy()
+        return LogRecord(name, self.source, time_s, rss_dbm, distance_m.copy(), closing_mps, link.dropped)
 
-    def _fail(self, number: int, what: str) -> NoReturn:
-        raise ParamsError(f"log {self.source!r}, line {number}: {what}")
+    def _fail(self, number: int, what: str, column: str = "") -> NoReturn:
+        place = f"line {number}, column {column[:60]!r}" if column else f"line {number}"
+        raise ParamsError(f"log {self.source!r}, {place}: {what}")
