@@ -1,4 +1,4 @@
-"""Makes the table of docs/calibration.md from recorded radio logs: python docs/calibration.py DATA_FOLDER (a minute)."""
+"""Makes the table of docs/calibration.md from recorded radio logs: python docs/calibration.py DATA_FOLDER (1 min)."""
 
 import argparse
 import re
@@ -53,8 +53,8 @@ def table(result: Calibration, name: str) -> str:
         f"{SETS[name][0]}. Fitted: {samples(fit.records)}; tested: {samples(result.tested)}; {len(fit.links)} links.",
         f"Path loss factor {min(factors):.2f} to {max(factors):.2f}, middle {fit.channel.path_loss_factor:.2f}; white "
         f"{noise.white_variance_db2:.3g} ± {noise.white_variance_std_db2:.1g} dB², coloured "
-        f"{noise.coloured_variance_db2:.3g} ± {noise.coloured_variance_std_db2:.1g} dB² over {noise.coloured_tc_s:.3g} ± "
-        f"{noise.coloured_tc_std_s:.1g} s.",
+        f"{noise.coloured_variance_db2:.3g} ± {noise.coloured_variance_std_db2:.1g} dB² over "
+        f"{noise.coloured_tc_s:.3g} ± {noise.coloured_tc_std_s:.1g} s.",
         *(f"Warning: {warning}." for warning in fit.warnings),
         f"At 80 % the coloured filter errs by {p80_m['ekf-coloured'] / p80_m['constant']:.2f} of the constant guess, "
         f"{p80_m['ekf-coloured'] / p80_m['ls']:.2f} of least squares and "

@@ -90,4 +90,7 @@ def _notes(found: Fit, tested: Sequence[LogRecord]) -> list[str]:
     known = {*found.links, *found.excluded}
     new = [link for link in dict.fromkeys(record.link for record in tested) if link not in known]
     notes += [f"link {link!r} was not fitted: it is tested with the path loss of the channel" for link in new]
+    rated = sum(record.closing_mps is not None for record in [*found.records, *tested])
+    if 0 < rated < len(found.records) + len(tested):
+        notes.append("range rates are not used: not every record has velocities")
     return notes

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rss_gym.calibration.fit import Fit
 from rss_gym.calibration.logs import LogRecord
@@ -61,13 +60,14 @@ def compare(
     return scores
 
 
-def _resamples(records: int) -> NDArray[np.int64]:
+def _resamples(records: int) -> Floats:
     """How often each record stands in each bootstrap sample, (samples, records)."""
-    drawn = np.random.default_rng(_SEED).multinomial(records, np.full(records, 1.0 / records), size=_RESAMPLES)
-    return drawn if records >= RECORDS_MIN else drawn[:0]
+    size = _RESAMPLES if records >= RECORDS_MIN else 0
+    drawn = np.random.default_rng(_SEED).multinomial(records, np.full(records, 1.0 / records), size=size)
+    return drawn.astype(np.float64)
 
 
-def _figures(errors: Sequence[Floats], counts: NDArray[np.int64]) -> tuple[Figure, Figure, Figure]:
+def _figures(errors: Sequence[Floats], counts: Floats) -> tuple[Figure, Figure, Figure]:
     """Median, 80 % quantile and root mean square of absolute errors, record by record."""
     pooled = np.concatenate(errors)
     median, p80 = (float(value) for value in np.quantile(pooled, SHARES))

@@ -5,17 +5,19 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.params import Channel, ParamsError
-from rss_gym.radio import NoiseFit, PathLossFit, allan_curve, fit_path_loss, identify, regular
+from rss_gym.radio import GaussMarkov, NoiseFit, PathLossFit, allan_curve, fit_path_loss, identify, regular
 from rss_gym.radio.checks import Floats
 
 LIMITS = {item.name: (item.metadata["low"], item.metadata["high"]) for item in dataclasses.fields(Channel)}
 _APART_S = 1e6  # between two records laid end to end: no noise that `Channel` knows lasts from one to the next
+_SUPPORTED = 2.0  # times the variance of the residuals: more than that is not to be seen in them
 _LEFT_OUT = 0.1  # share of the samples between gaps, unused by the Allan curve, that is worth a warning
 
 
@@ -74,16 +76,31 @@ class Fit:
 
     def channel_of(self, link: str) -> Channel:
         """The channel with the path loss factor and offset of one link; as it is for a link that was not fitted."""
-        if link not in self.links:
-            return self.channel
-        path_loss = self.links[link].path_loss
-        return self.channel.replace(path_loss_factor=path_loss.path_loss_factor, offset_dbm=path_loss.offset_dbm)
+        return self._channels.get(link, self.channel)
 
     def range_prior_of(self, link: str) -> tuple[float, float]:
         """Median and standard deviation of the fitted distances, m: of one link, or of all for one that is new."""
-        links = [self.links[link]] if link in self.links else list(self.links.values())
-        distance_m = np.concatenate([item.distance_m for item in links])
-        return float(np.median(distance_m)), float(distance_m.std())
+        return self._range_priors.get(link, self._range_prior)
+
+    @cached_property
+    def _channels(self) -> dict[str, Channel]:
+        fits = {name: link.path_loss for name, link in self.links.items()}
+        return {
+            name: self.channel.replace(path_loss_factor=fit.path_loss_factor, offset_dbm=fit.offset_dbm)
+            for name, fit in fits.items()
+        }
+
+    @cached_property
+    def _range_priors(self) -> dict[str, tuple[float, float]]:
+        return {name: _middle_and_spread(link.distance_m) for name, link in self.links.items()}
+
+    @cached_property
+    def _range_prior(self) -> tuple[float, float]:
+        return _middle_and_spread(np.concatenate([record.distance_m for record in self.records]))
+
+
+def _middle_and_spread(values: Floats) -> tuple[float, float]:
+    return float(np.median(values)), float(values.std())
 
 
 def fit(records: Sequence[LogRecord]) -> Fit:
@@ -155,6 +172,7 @@ def _noise(links: dict[str, LinkFit]) -> tuple[NoiseFit, list[str]]:
 
 
 def _channel(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[Channel, list[str]]:
+    coloured, told = _supported(links, noise)
     factors = np.array([link.path_loss.path_loss_factor for link in links.values()])
     offsets = np.array([link.path_loss.offset_dbm for link in links.values()])
     middle_db = 10.0 * np.mean(np.log10(np.concatenate([link.distance_m for link in links.values()])))
@@ -165,8 +183,8 @@ def _channel(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[Channel, list[
         "offset_dbm": float(np.median(offsets - factors * middle_db)) + factor * middle_db,
         # The channel rounds by itself: the error of rounding is not white noise twice.
         "white_variance_db2": max(noise.white_variance_db2 - step_db**2 / 12.0, 0.0),
-        "coloured_variance_db2": noise.coloured_variance_db2,
-        "coloured_tc_s": noise.coloured_tc_s,
+        "coloured_variance_db2": coloured.variance_db2,
+        "coloured_tc_s": coloured.tc_s,
         "path_loss_wander": 0.0,  # its effect is in the residual, hence in the noise above
         "quantisation_db": step_db,
     }
@@ -177,7 +195,24 @@ def _channel(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[Channel, list[
         values[name] = min(max(value, low), high)
         if values[name] != value:
             clipped.append(f"{name} = {value:.3g} is outside [{low:g}, {high:g}] and is written as {values[name]:g}")
-    return Channel(**values), clipped
+    return Channel(**values), told + clipped
+
+
+def _supported(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[GaussMarkov, list[str]]:
+    """The coloured noise, if its variance is one that the residuals show.
+
+    Records far shorter than Tc fix only the ratio S / Tc, the growth of a random walk; S itself can come out anywhere.
+    """
+    residual_db = np.concatenate([link.path_loss.residual_db for link in links.values()])
+    shown_db2 = float(residual_db @ residual_db) / len(residual_db)
+    if noise.coloured_variance_db2 <= _SUPPORTED * shown_db2:
+        return noise.noise, []
+    ratio = shown_db2 / noise.coloured_variance_db2
+    told = (
+        f"the records are too short for the coloured variance: it came out as {noise.coloured_variance_db2:.3g} dB^2 where "
+        f"the residuals show {shown_db2:.3g}; the channel has the latter, and the correlation time in the same ratio"
+    )
+    return GaussMarkov(shown_db2, noise.coloured_tc_s * ratio), [told]
 
 
 def _step_db(rss_dbm: Floats) -> float:

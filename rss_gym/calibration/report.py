@@ -65,7 +65,7 @@ def _errors(result: Calibration) -> str:
     headings = ["method", *(f"{title}, m" for title in FIGURES.values()), "process noise"]
     return (
         f'<p class="text">Estimated minus true range, absolute, on {held} held out of the fit. Path loss and range '
-        "prior are those fitted for each link; process noise was tuned on the fitted part for the least 80 % error, for "
+        "prior are those fitted for each link; process noise was tuned on the fitted part for the least 80 % error, "
         "each filter by itself. The constant guess is the median distance of the link.</p>\n"
         + figures.errors(result)
         + _table(headings, rows)
