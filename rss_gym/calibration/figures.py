@@ -74,7 +74,8 @@ def path_loss(result: Calibration) -> str:
             shown = thinned(link.rows, _POINTS)
             rss_dbm = np.concatenate([record.rss_dbm for record in link.records])
             axes.plot(link.distance_m[shown], rss_dbm[shown], ".", color=COLOURS[0], markersize=3.0, alpha=0.45)
-            axes.plot(line_m, received(line_m, result.fit.channel_of(name)), color=COLOURS[1], linewidth=1.8)
+            own_m = np.geomspace(link.distance_m.min(), link.distance_m.max(), 40)
+            axes.plot(own_m, received(own_m, result.fit.channel_of(name)), color=COLOURS[1], linewidth=1.8)
             axes.plot(line_m, received(line_m, result.fit.channel), color=INK, linewidth=1.0, linestyle="--")
             fit = link.path_loss
             factor = f"γ = {fit.path_loss_factor:.2f} ± {1.96 * fit.path_loss_factor_std:.2f}"

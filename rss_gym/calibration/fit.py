@@ -209,7 +209,7 @@ def _supported(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[GaussMarkov,
         return noise.noise, []
     ratio = shown_db2 / noise.coloured_variance_db2
     told = (
-        f"the records are too short for the coloured variance: it came out as {noise.coloured_variance_db2:.3g} dB^2 where "
+        f"the records are too short for the coloured variance: {noise.coloured_variance_db2:.3g} dB^2 came out, where "
         f"the residuals show {shown_db2:.3g}; the channel has the latter, and the correlation time in the same ratio"
     )
     return GaussMarkov(shown_db2, noise.coloured_tc_s * ratio), [told]

@@ -34,7 +34,7 @@ def _lead(result: Calibration) -> str:
     p80_m = {name: result.scores[name].p80_m.value for name in ("ekf-coloured", "ls", "constant")}
     tags = {
         "path loss factor": f"{channel.path_loss_factor:.2f}",
-        "offset": f"{channel.offset_dbm:.1f} dBm",
+        "offset": f"{channel.offset_dbm:.1f} dBm".replace("-", "−"),
         "white": f"{channel.white_variance_db2:.3g} dB²",
         "coloured": f"{channel.coloured_variance_db2:.3g} dB² over {channel.coloured_tc_s:.3g} s",
         "quantisation": f"{channel.quantisation_db:g} dB",

@@ -7,7 +7,7 @@ from rss_gym.physics.path_loss import received_dbm, slope_db_pm
 from rss_gym.ranging import coloured, inverse, white
 from rss_gym.ranging.batch import filter_records
 
-# Numba finds a function through the name of a module's variable, not through a module.
+# Numba inlines a kernel that a variable of this module names, not an attribute of another module.
 coloured_start, coloured_predict, coloured_update = coloured.start, coloured.predict, coloured.update
 white_predict, white_update = white.predict, white.update
 invert = inverse.invert

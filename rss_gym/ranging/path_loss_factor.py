@@ -183,9 +183,8 @@ def adaptive(
     length, rss = _pair(distance_m, "rss_dbm", rss_dbm)
     out = np.empty(len(rss))
     low, high = (float(end) for end in limits)
-    slide(
-        length, rss - offset_dbm, window, float(initial), float(theta), float(mu_db2), iterations, low, high, out
-    )  # fmt: skip
+    phi = rss - offset_dbm
+    slide(length, phi, window, float(initial), float(theta), float(mu_db2), iterations, low, high, out)
     return out
 
 
