@@ -10,6 +10,7 @@ import numpy as np
 from rss_gym.calibration.calibrate import Calibration
 from rss_gym.calibration.compare import SHARES
 from rss_gym.calibration.logs import LogRecord
+from rss_gym.calibration.output import printable
 from rss_gym.pages.figure import COLOURS, INK, MUTED, NOMINAL, figure
 from rss_gym.radio import GaussMarkov, allan_model, received
 from rss_gym.radio.checks import Floats
@@ -205,7 +206,7 @@ def _over_time(axes: Any, result: Calibration, record: LogRecord, k: int) -> Non
 def shortened(name: str, length: int = 14) -> str:
     """A name that fits a panel's title; `$` would start mathematics."""
     name = name if len(name) <= length else f"{name[: length - 1]}…"
-    return "".join(c if c.isprintable() else "?" for c in name).replace("$", r"\$")
+    return printable(name).replace("$", r"\$")
 
 
 def _plain_logarithm(axis: Any, values: Floats) -> None:

@@ -83,19 +83,23 @@ def comment(result: Calibration) -> str:
         f"{part(result.tested, result.own_logs, 'last third')}.",
         *(f"Warning: {warning}." for warning in fit.warnings),
     ]
-    printable = ["".join(c if c.isprintable() else "?" for c in line) for line in lines]
-    return "\n".join(piece for line in printable for piece in textwrap.wrap(line, _WIDTH))
+    return "\n".join(piece for line in lines for piece in textwrap.wrap(line, _WIDTH))
 
 
 def part(records: Sequence[LogRecord], whole: bool, share: str) -> str:
     """Samples, links and logs of one part: `7,694 samples of 12 links in straight_01.csv, straight_02.csv`."""
-    names = list(dict.fromkeys(record.source for record in records))
+    names = [printable(name) for name in dict.fromkeys(record.source for record in records)]
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     links = len({record.link for record in records})
     return (
         f"{sum(len(record.time_s) for record in records):,} samples of {links} link{'s' if links > 1 else ''} in "
         f"{'' if whole else f'the {share} of '}{', '.join(names[:_NAMED])}{more}"
     )
+
+
+def printable(name: str) -> str:
+    """A name from outside without line breaks and control characters."""
+    return "".join(c if c.isprintable() else "?" for c in name)
 
 
 def to_dict(result: Calibration) -> dict[str, Any]:

@@ -23,7 +23,7 @@ def tune(fit: Fit, methods: Mapping[str, Method]) -> dict[str, Tuning]:
     Ranges by least squares are held below ten times the longest distance of the fitted part.
     """
     longest_m = max(float(record.distance_m.max()) for record in fit.records)
-    untuned = Tuning(range_ceiling_m=max(10.0, _CEILING_RATIO * longest_m), window_s=WINDOW_S)
+    untuned = Tuning(range_ceiling_m=min(max(_CEILING_RATIO * longest_m, 10.0), 1e6), window_s=WINDOW_S)
     tunings: dict[str, Tuning] = {}
     for name, method in methods.items():
         tuning = tunings[method.base] if method.base is not None else untuned
