@@ -77,7 +77,7 @@ def calibrate(fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), not
 
 
 def _part(record: LogRecord, part: slice) -> LogRecord:
-    names = ("time_s", "rss_dbm", "distance_m", "closing_mps")
+    names = ("time_s", "rss_dbm", "distance_m", "range_rate_mps")
     arrays = {name: getattr(record, name) for name in names}
     return dataclasses.replace(record, **{k: values[part] for k, values in arrays.items() if values is not None})
 
@@ -90,7 +90,7 @@ def _notes(found: Fit, tested: Sequence[LogRecord]) -> list[str]:
     known = {*found.links, *found.excluded}
     new = [link for link in dict.fromkeys(record.link for record in tested) if link not in known]
     notes += [f"link {link!r} was not fitted: it is tested with the path loss of the channel" for link in new]
-    rated = sum(record.closing_mps is not None for record in [*found.records, *tested])
+    rated = sum(record.range_rate_mps is not None for record in [*found.records, *tested])
     if 0 < rated < len(found.records) + len(tested):
         notes.append("range rates are not used: not every record has velocities")
     return notes

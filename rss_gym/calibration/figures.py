@@ -11,9 +11,9 @@ from rss_gym.calibration.calibrate import Calibration
 from rss_gym.calibration.compare import SHARES
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.calibration.output import printable
+from rss_gym.checks import Floats
 from rss_gym.pages.figure import COLOURS, INK, MUTED, NOMINAL, figure
 from rss_gym.radio import GaussMarkov, allan_model, received
-from rss_gym.radio.checks import Floats
 
 LINKS_SHOWN = 12
 _POINTS, _LINE = 250, 600  # samples drawn of a link, of a curve: the page stays small

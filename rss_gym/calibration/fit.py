@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from rss_gym.calibration.logs import LogRecord
+from rss_gym.checks import Floats
 from rss_gym.params import Channel, ParamsError
 from rss_gym.radio import GaussMarkov, NoiseFit, PathLossFit, allan_curve, fit_path_loss, identify, regular
-from rss_gym.radio.checks import Floats
 
 LIMITS = {item.name: (item.metadata["low"], item.metadata["high"]) for item in dataclasses.fields(Channel)}
 _APART_S = 1e6  # between two records laid end to end: no noise that `Channel` knows lasts from one to the next

@@ -8,7 +8,7 @@ import numpy as np
 
 from rss_gym.calibration.fit import Fit
 from rss_gym.calibration.logs import LogRecord
-from rss_gym.radio.checks import Floats
+from rss_gym.checks import Floats
 from rss_gym.ranging.track import Tuning, track
 
 WINDOW_S = 5.0
@@ -56,7 +56,7 @@ METHODS: dict[str, Method] = {
 
 def available(records: list[LogRecord]) -> dict[str, Method]:
     """The methods that these records allow: those with psi need a range rate in each of them."""
-    rated = all(record.closing_mps is not None for record in records)
+    rated = all(record.range_rate_mps is not None for record in records)
     return {name: method for name, method in METHODS.items() if rated or method.base is None}
 
 
@@ -65,6 +65,6 @@ def ranges(method: Method, record: LogRecord, fit: Fit, tuning: Tuning) -> Float
     median_m, std_m = fit.range_prior_of(record.link)
     if method.estimator is None:
         return np.full(len(record.time_s), median_m)
-    rate = record.closing_mps if method.base is not None else None
+    rate = record.range_rate_mps if method.base is not None else None
     tuning = tuning.replace(prior_range_m=median_m, prior_std_m=std_m)
     return track(method.estimator, record.time_s, record.rss_dbm, fit.channel_of(record.link), tuning, rate).range_m

@@ -100,7 +100,7 @@ def test_without_a_test_the_last_third_is_held_out(flown):
     result = calibrate([record])
     (fitted,), (tested,) = result.fit.records, result.tested
     assert not result.own_logs and (len(fitted.time_s), len(tested.time_s)) == (200, 100)
-    for name in ("time_s", "rss_dbm", "distance_m", "closing_mps"):
+    for name in ("time_s", "rss_dbm", "distance_m", "range_rate_mps"):
         parts = [getattr(fitted, name), getattr(tested, name)]
         np.testing.assert_array_equal(np.concatenate(parts), getattr(record, name))
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.calibration.logs.geodesy import east_north_up_m, range_rate_mps
+from rss_gym.calibration.logs.geodesy import east_north_up_m
 from rss_gym.calibration.logs.record import ROWS_MAX, Floats, LogFile, LogRecord
 from rss_gym.params import ParamsError
 
@@ -107,18 +107,16 @@ class _Flight:
                 f"{np.sum(~usable)} of {usable.size} radio reports left out: nearer than {NEAREST_M:g} m to the ground "
                 f"station, or without positions at most {GAP_MAX_S:g} s apart before and after"
             )
-        closing_mps = np.zeros(at_s.size)
+        rate_mps = np.zeros(at_s.size)
         relative_mps = _interpolated(at_s, positions[:, 0], positions[:, 4:])
-        closing_mps[usable] = range_rate_mps(relative_m[usable], relative_mps[usable])
+        rate_mps[usable] = range_rate_mps(relative_m[usable], relative_mps[usable])
         records, rows, dropped = [], 0, 0
         for link, raw in (("ground", reports[:, 1]), ("aircraft", reports[:, 2])):
             rss_dbm = sik_dbm(raw)
             keep = usable & (rss_dbm < 0.0)
             lost = int(usable.sum() - keep.sum())
             time_s = at_s[keep] - at_s[0]
-            records.append(
-                LogRecord(link, self.source, time_s, rss_dbm[keep], distance_m[keep], closing_mps[keep], lost)
-            )
+            records.append(LogRecord(link, self.source, time_s, rss_dbm[keep], distance_m[keep], rate_mps[keep], lost))
             rows, dropped = rows + int(usable.sum()), dropped + lost
         return LogFile(self.source, records, rows, dropped, tuple(notes))
 

@@ -29,7 +29,7 @@ class LogRecord:
         Strictly increasing.
     rss_dbm, distance_m : (n,) arrays
         RSS, below 0, and the true distance.
-    closing_mps : (n,) array or None
+    range_rate_mps : (n,) array or None
         Range rate from the logged velocities along the true line of sight: what psi of (12) is made of, positive
         when the distance grows.
     dropped : int
@@ -41,7 +41,7 @@ class LogRecord:
     time_s: Floats
     rss_dbm: Floats
     distance_m: Floats
-    closing_mps: Floats | None
+    range_rate_mps: Floats | None
     dropped: int
 
 

@@ -14,7 +14,7 @@ from typing import NoReturn, TextIO
 import numpy as np
 
 from rss_gym.calibration.logs.columns import GLOBAL, VELOCITY, VELOCITY_2, Layout, Quantity, layout
-from rss_gym.calibration.logs.geodesy import east_north_up_m, range_rate_mps
+from rss_gym.calibration.logs.geodesy import east_north_up_m
 from rss_gym.calibration.logs.record import DISTANCE_LIMITS_M, ROWS_MAX, Floats, LogFile, LogRecord
 from rss_gym.params import ParamsError
 
@@ -161,7 +161,7 @@ class _Table:
             quantities = self.layout.quantities
             return np.column_stack([values.get(key, constant + quantities[key].constant) for key in keys])
 
-        distance_m, closing_mps = values.get("dist"), None
+        distance_m, rate_mps = values.get("dist"), None
         if self.layout.ends:
             first, second = of(*self.layout.ends[:3]), of(*self.layout.ends[3:])
             relative_m = east_north_up_m(first, second) if self.layout.ends == GLOBAL else first - second
@@ -178,10 +178,10 @@ class _Table:
                 relative_mps = of(*VELOCITY)
                 if "vx2" in self.layout.quantities:
                     relative_mps = relative_mps - of(*VELOCITY_2)
-                closing_mps = range_rate_mps(relative_m, relative_mps)
+                rate_mps = range_rate_mps(relative_m, relative_mps)
         assert distance_m is not None  # the layout has it, or positions
         time_s, rss_dbm = values["t"].copy(), values["rss"].copy()
-        return LogRecord(name, self.source, time_s, rss_dbm, distance_m.copy(), closing_mps, link.dropped)
+        return LogRecord(name, self.source, time_s, rss_dbm, distance_m.copy(), rate_mps, link.dropped)
 
     def _fail(self, number: int, what: str, column: str = "") -> NoReturn:
         place = f"line {number}, column {column[:60]!r}" if column else f"line {number}"

@@ -85,14 +85,14 @@ def test_both_ends_of_the_radio(log, version, kind):
         np.testing.assert_allclose(item.time_s, np.arange(40.0), atol=1e-6)
         np.testing.assert_allclose(item.rss_dbm, raw / 1.9 - 127.0)
         np.testing.assert_allclose(item.distance_m, distance_m, rtol=5e-4)
-        np.testing.assert_allclose(item.closing_mps, 4.0 * north_m / distance_m, rtol=5e-4)
+        np.testing.assert_allclose(item.range_rate_mps, 4.0 * north_m / distance_m, rtol=5e-4)
         assert (item.source, item.dropped) == ("flight.tlog", 0)
 
 
 def test_ground_station_at_the_first_position_without_home(log):
     found = read(log(flight(Writer()).content), format="mavlink")
     np.testing.assert_allclose(found[0].distance_m, 4 * np.arange(40) + 1.4, rtol=2e-2)
-    np.testing.assert_allclose(found[0].closing_mps, 4.0, rtol=1e-9)
+    np.testing.assert_allclose(found[0].range_rate_mps, 4.0, rtol=1e-9)
     assert len(found.notes) == 1 and "first position" in found.notes[0]
 
 

@@ -37,7 +37,7 @@ def log(tmp_path):
 )
 def test_known_names_and_delimiters(log, header, delimiter):
     (found,) = read(log(text(header, plain(), delimiter)))
-    assert (found.link, found.source, found.dropped, found.closing_mps) == ("link", "log.csv", 0, None)
+    assert (found.link, found.source, found.dropped, found.range_rate_mps) == ("link", "log.csv", 0, None)
     np.testing.assert_array_equal(found.time_s, TIME_S)
     np.testing.assert_array_equal(found.rss_dbm, [row[1] for row in plain()])
     np.testing.assert_array_equal(found.distance_m, DISTANCE_M)
@@ -67,11 +67,11 @@ def test_named_columns_and_constants(log):
     (still,) = read(path, columns=columns)
     across_m = 2.0 * TIME_S - 13.0
     np.testing.assert_allclose(still.distance_m, np.hypot(across_m, 20.0), rtol=1e-12)
-    assert still.closing_mps is None
+    assert still.range_rate_mps is None
     (moving,) = read(path, columns={**columns, "vx": "vE", "vy": "vN", "vz": "vU"})
-    np.testing.assert_allclose(moving.closing_mps, 2.0 * across_m / still.distance_m, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(moving.range_rate_mps, 2.0 * across_m / still.distance_m, rtol=1e-12, atol=1e-12)
     both = {**columns, "vx": "vE", "vy": "vN", "vz": "vU", "vx2": "2", "vy2": "0", "vz2": "0"}
-    np.testing.assert_allclose(read(path, columns=both)[0].closing_mps, 0.0, atol=1e-12)
+    np.testing.assert_allclose(read(path, columns=both)[0].range_rate_mps, 0.0, atol=1e-12)
 
 
 def test_latitude_and_longitude(log):
