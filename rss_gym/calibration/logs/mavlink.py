@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.calibration.logs.geodesy import east_north_up_m
+from rss_gym.calibration.logs.geodesy import east_north_up_m, range_rate_mps
 from rss_gym.calibration.logs.record import ROWS_MAX, Floats, LogFile, LogRecord
 from rss_gym.params import ParamsError
 

@@ -14,7 +14,7 @@ from typing import NoReturn, TextIO
 import numpy as np
 
 from rss_gym.calibration.logs.columns import GLOBAL, VELOCITY, VELOCITY_2, Layout, Quantity, layout
-from rss_gym.calibration.logs.geodesy import east_north_up_m
+from rss_gym.calibration.logs.geodesy import east_north_up_m, range_rate_mps
 from rss_gym.calibration.logs.record import DISTANCE_LIMITS_M, ROWS_MAX, Floats, LogFile, LogRecord
 from rss_gym.params import ParamsError
 
