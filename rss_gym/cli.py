@@ -86,6 +86,18 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
     command.set_defaults(run=_leaderboard)
 
+    command = commands.add_parser("calibrate", help="a channel from radio logs, with range errors on a test")
+    command.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
+    command.add_argument(
+        "--test", nargs="+", default=[], metavar="TEST", help="logs to test on; default: the last third of each record"
+    )
+    command.add_argument("--format", default="csv", help="csv or mavlink")
+    command.add_argument("--columns", default="", metavar="t=..,rss=..,dist=..", help="names of a table's columns")
+    command.add_argument("--out", required=True, metavar="FILE", help="channel to write, such as channel.toml")
+    command.add_argument("--report", metavar="DIR", help="new folder for the page and calibration.json")
+    command.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
+    command.set_defaults(run=_calibrate)
+
     command = commands.add_parser("paper", help="every figure and number of the paper, beside what comes out")
     command.add_argument("--out", required=True, metavar="DIR", help="new folder for paper.json and index.html")
     command.add_argument("--seed", type=int, default=0)
@@ -159,6 +171,44 @@ def _leaderboard(options: argparse.Namespace) -> None:
     for note in site.notes:
         print(note)
     print(f"leaderboard: {site.page}")
+
+
+def _calibrate(options: argparse.Namespace) -> None:
+    from rss_gym.calibration import output
+    from rss_gym.calibration.calibrate import calibrate
+    from rss_gym.calibration.logs import read
+    from rss_gym.params import ParamsError
+
+    output.check_outputs(options.out, options.report)
+    columns = _columns(options.columns)
+    fitted = {os.path.realpath(name) for name in options.fit}
+    twice = next((name for name in options.test if os.path.realpath(name) in fitted), None)
+    if twice is not None:
+        raise ParamsError(f"log {twice!r} is to be fitted and tested; a test needs a log of its own")
+    fit = read(options.fit, options.format, columns)
+    test = read(options.test, options.format, columns) if options.test else None
+    result = calibrate(fit, test or (), (*fit.notes, *(test.notes if test else ())))
+    output.save(result, options.out, options.report)
+    if options.json:
+        print(json.dumps(output.to_dict(result), indent=1, allow_nan=False))
+        return
+    print(output.table(result))
+    print(f"channel: {options.out}")
+    if options.report is not None:
+        print(f"report: {os.path.join(options.report, output.PAGE)}")
+
+
+def _columns(text: str) -> dict[str, str]:
+    """`t=time,rss=power` as a dict."""
+    from rss_gym.params import ParamsError
+
+    columns: dict[str, str] = {}
+    for item in filter(None, text.split(",")):
+        key, equals, name = (part.strip() for part in item.partition("="))
+        if not (key and equals and name) or key in columns:
+            raise ParamsError(f"columns must be KEY=NAME pairs of different keys with commas between, got {item!r}")
+        columns[key] = name
+    return columns
 
 
 def _paper(options: argparse.Namespace) -> None:

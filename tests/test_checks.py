@@ -31,7 +31,7 @@ def test_what_is_no_number(value):
     ("value", "shown"), [(np.nan, "nan"), ([1.0, np.inf], "inf"), (-0.5, "-0.5"), ([0, 7, 8], "7")]
 )
 def test_the_first_wrong_value_is_named(value, shown):
-    with pytest.raises(ParamsError, match=rf"^x_m must be finite in \[0, 6\], got {shown}$"):
+    with pytest.raises(ParamsError, match=rf"^x_m must be finite in \[0, 6\], got {shown}( at element \d)?$"):
         finite("x_m", value, 0.0, 6.0)
 
 

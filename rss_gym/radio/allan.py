@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rss_gym.checks import Floats, finite, positive
 from rss_gym.params import ParamsError
-from rss_gym.radio.checks import Floats, finite, positive
 from rss_gym.radio.gauss_markov import GaussMarkov
 
 # Series of 2y - 3 + 4 e^-y - e^-2y from y^3 on, highest power first.
@@ -96,7 +96,7 @@ def allan_curve(values: Any, period_s: float, clusters: Sequence[int] | None = N
     """
     period_s = positive("period_s", period_s)
     several = isinstance(values, (list, tuple)) and len(values) > 0 and np.ndim(values[0]) > 0
-    records = [finite("values", record) for record in (values if several else [values])]
+    records = [finite("values", record, dimensions=(1,)) for record in (values if several else [values])]
     longest = max(map(len, records))
     if longest < 3:
         raise ParamsError(f"values must hold at least 3 samples in a row, got {longest}")

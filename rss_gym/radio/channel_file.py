@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import tempfile
 from pathlib import Path
 
+from rss_gym.files import write_text
 from rss_gym.params import Channel, ParamsError
 
 COMMENT_MAX = 16384  # characters; the reader takes files up to 64 KiB
@@ -40,19 +40,5 @@ def save_channel(channel: Channel, path: str | os.PathLike[str], comment: str = 
     if len(comment) > COMMENT_MAX or not all(line.replace("\t", " ").isprintable() for line in lines):
         raise ParamsError(f"comment must be printable text of at most {COMMENT_MAX} characters, got {comment[:80]!r}")
     fields = [f"{item.name} = {getattr(channel, item.name)!r}" for item in dataclasses.fields(channel)]
-    target = Path(path)
-    try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:80]}-", dir=target.parent)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-                file.writelines(
-                    f"{line}\n" for line in [*(f"# {line}".rstrip() for line in lines), "[channel]", *fields]
-                )
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, target)
-        except BaseException:
-            os.unlink(temporary)
-            raise
-    except (OSError, ValueError) as error:  # ValueError: a null in the name
-        raise ParamsError(f"channel file {str(path)!r} cannot be written: {error}") from error
-    return target
+    above = [f"# {line}".rstrip() for line in lines]
+    return write_text(path, "\n".join([*above, "[channel]", *fields, ""]))

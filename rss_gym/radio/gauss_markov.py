@@ -9,9 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from rss_gym.checks import Floats, positive
 from rss_gym.params import ParamsError
 from rss_gym.physics import noise
-from rss_gym.radio.checks import Floats, positive
 
 # Beyond this many correlation times in one period a^2 = e^{2 lambda Delta} leaves the range of floating point.
 _PERIODS_MAX = 300.0

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rss_gym.checks import Floats
 from rss_gym.params import ParamsError
 from rss_gym.radio.allan import AllanCurve, allan_covariance, allan_model, unit_allan
-from rss_gym.radio.checks import Floats
 from rss_gym.radio.gauss_markov import GaussMarkov
 
 # Of the mean square of n Tc seconds of Gauss-Markov noise the relative error is sqrt(2 / n): 20 % at 50.

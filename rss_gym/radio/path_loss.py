@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from rss_gym.checks import Floats, distances, finite
 from rss_gym.jit import kernel
 from rss_gym.params import Channel, ParamsError, load_channel
 from rss_gym.physics.path_loss import distance_m as solved_m
 from rss_gym.physics.path_loss import received_dbm
-from rss_gym.radio.checks import Floats, distances, finite
 from rss_gym.radio.identify import NoiseFit
 
 AnyChannel = str | os.PathLike[str] | Mapping[str, Any] | Channel
@@ -42,7 +42,7 @@ def received(distance_m: Any, channel: AnyChannel) -> Floats:
 
 def distance(rss_dbm: Any, channel: AnyChannel) -> Floats:
     """Distances (m) that (2) without noise gives for RSS (dBm, array of one or two dimensions)."""
-    rss_dbm, channel = finite("rss_dbm", rss_dbm, (1, 2)), load_channel(channel)
+    rss_dbm, channel = finite("rss_dbm", rss_dbm, dimensions=(1, 2)), load_channel(channel)
     out = np.empty(rss_dbm.shape)
     _distance(channel.offset_dbm, channel.path_loss_factor, rss_dbm.ravel(), out.ravel())
     return out
@@ -72,7 +72,7 @@ def fit_path_loss(
         For arrays of unequal length, values that are not finite, distances that are not positive or all (nearly) equal,
         or noise without times.
     """
-    d, rss = distances(distance_m, (1,)), finite("rss_dbm", rss_dbm)
+    d, rss = distances(distance_m, (1,)), finite("rss_dbm", rss_dbm, dimensions=(1,))
     if len(d) != len(rss) or len(d) < 3:
         raise ParamsError(f"distance_m and rss_dbm must hold one length of at least 3, got {len(d)} and {len(rss)}")
     level_db = -10.0 * np.log10(d)
@@ -93,7 +93,7 @@ def fit_path_loss(
     elif time_s is None:
         raise ParamsError("time_s must be given with noise, or how far the samples are correlated is unknown")
     else:
-        variance = _coloured(rows, finite("time_s", time_s), noise)
+        variance = _coloured(rows, finite("time_s", time_s, dimensions=(1,)), noise)
     stds = np.sqrt(variance)
     return PathLossFit(gamma, float(stds[0]), offset, float(stds[1]), residual)
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from rss_gym.checks import Floats, finite
 from rss_gym.params import ParamsError
-from rss_gym.radio.checks import Floats, finite
 
 GAP = 3.0  # median intervals without a sample that end a record
 
@@ -37,7 +37,7 @@ def regular(time_s: Any, values: Any) -> tuple[list[Floats], float]:
     ParamsError
         For unequal lengths, times that do not rise, values that are not finite, or no piece of 3 samples.
     """
-    t, x = finite("time_s", time_s), finite("values", values)
+    t, x = finite("time_s", time_s, dimensions=(1,)), finite("values", values, dimensions=(1,))
     if len(t) != len(x):
         raise ParamsError(f"time_s and values must be of one length, got {len(t)} and {len(x)}")
     steps = np.diff(t)

@@ -8,12 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from rss_gym.checks import Floats, distances, positive, whole
 from rss_gym.jit import kernel
 from rss_gym.params import load_channel
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.path_loss import quantise, received_dbm
 from rss_gym.physics.random import episode_key, normal, uniform
-from rss_gym.radio.checks import Floats, distances, positive, whole
 from rss_gym.radio.gauss_markov import GaussMarkov
 from rss_gym.radio.path_loss import AnyChannel
 

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rss_gym.checks import Floats, finite, positive
 from rss_gym.params import ParamsError
 from rss_gym.radio.allan import AllanCurve
-from rss_gym.radio.checks import Floats, finite, positive
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def autocovariance(values: Any, period_s: float, lags: int) -> Autocovariance:
     ParamsError
         For values that are not finite or a lag out of range.
     """
-    x = finite("values", values)
+    x = finite("values", values, dimensions=(1,))
     if isinstance(lags, bool) or not isinstance(lags, (int, np.integer)) or not 1 <= lags < len(x):
         raise ParamsError(f"lags must be a whole number from 1 to {len(x) - 1}, got {lags!r}")
     x = x - x.mean()

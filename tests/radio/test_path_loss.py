@@ -84,7 +84,7 @@ def test_errors_cover_the_truth():
         (([5.0, 0.0, 12.0], [-50.0, -60.0, -63.0]), "above 0, got 0 at element 1"),
         (([5.0, np.inf, 12.0], [-50.0, -60.0, -63.0]), "distance_m must be finite"),
         (([5.0, 9.0, 12.0], [-50.0, np.nan, -63.0]), "rss_dbm must be finite, got nan at element 1"),
-        (([5.0, 9.0, 12.0], ["-50", "-60", "-63"]), "rss_dbm must be an array of numbers"),
+        (([5.0, 9.0, 12.0], ["-50", "-60", "-63"]), "rss_dbm must be a number or an array of numbers"),
         (([[5.0, 9.0, 12.0]], [-50.0, -60.0, -63.0]), "1-D"),
     ],
 )

@@ -49,7 +49,9 @@ def test_two_and_three_looks_of_scipys_normal(rho):
             sign = 1.0 - 2.0 * np.array(corner)
             mirrored = cov * np.outer(sign, sign)
             total += multivariate_normal.cdf(np.full(n, -c), cov=mirrored, abseps=1e-8, releps=1e-8, maxpts=200_000)
-        assert miss_probability_correlated(0.8, n, rho) == pytest.approx(total, rel=1e-5)
+        assert miss_probability_correlated(0.8, n, rho) == pytest.approx(
+            total, rel=1e-4
+        )  # SciPy integrates three looks at random points
 
 
 @pytest.mark.parametrize("rho", [0.5, 0.7, 0.9])
