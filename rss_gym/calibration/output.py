@@ -31,8 +31,8 @@ def check_outputs(out: str | os.PathLike[str], report: str | os.PathLike[str] | 
     Raises
     ------
     ParamsError
-        If `out` does not end in `.toml`, lies in no folder, or is there and is not a channel; for `report` as
-        `rss_gym.files.check_new`.
+        If `out` does not end in `.toml`, lies in no folder or in that of `report`, or is there and is not a channel;
+        for `report` as `rss_gym.files.check_new`.
     """
     name = os.fspath(out)
     if Path(name).suffix != ".toml" or "\0" in name:
@@ -47,7 +47,8 @@ def check_outputs(out: str | os.PathLike[str], report: str | os.PathLike[str] | 
             raise ParamsError(f"file {name!r} exists and is not a channel; name a new one") from error
     if report is not None:
         require_figures()
-        check_new(report)
+        if Path(name).resolve().is_relative_to(check_new(report).resolve()):
+            raise ParamsError(f"channel file {name!r} must lie outside the report's folder {os.fspath(report)!r}")
 
 
 def save(result: Calibration, out: str | os.PathLike[str], report: str | os.PathLike[str] | None = None) -> None:

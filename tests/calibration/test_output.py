@@ -83,6 +83,8 @@ def test_an_older_channel_is_replaced(capsys, tmp_path, logs):
         (["{log}", "--out", "{folder}/other.toml"], ["other.toml", "not a channel"]),
         (["{log}", "--out", "{folder}/c.toml", "--report", "{folder}/logs"], ["exists and is not empty"]),
         (["{log}", "--test", "{log}", "--out", "{folder}/c.toml"], ["0.csv", "a log of its own"]),
+        (["{log}", "{folder}/logs/../logs/0.csv", "--out", "{folder}/c.toml"], ["0.csv", "named twice"]),
+        (["{log}", "--out", "{folder}/c.toml", "--report", "{folder}/c.toml"], ["c.toml", "the report's folder"]),
         (["{folder}/none.csv", "--out", "{folder}/c.toml"], ["none.csv", "missing"]),
         (["{log}", "--format", "cvs", "--out", "{folder}/c.toml"], ["'cvs'", "did you mean 'csv'"]),
         (["{log}", "--columns", "t", "--out", "{folder}/c.toml"], ["'t'", "KEY=NAME"]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
@@ -54,7 +55,7 @@ def read(
     Raises
     ------
     ParamsError
-        For a file that cannot be read or is not a log, in one sentence.
+        For a file that cannot be read, is not a log or is named twice, in one sentence.
     """
     if format not in READERS:
         raise ParamsError(f"format {format!r} is unknown{suggestion(str(format), READERS)}")
@@ -66,6 +67,9 @@ def read(
         records, remarks = checked(_read_file(os.fspath(name), format, columns or {}))
         logs += records
         notes += remarks
+    twice = next((name for name, times in Counter(map(os.path.realpath, names)).items() if times > 1), None)
+    if twice is not None:
+        raise ParamsError(f"log {os.path.basename(twice)!r} is named twice; its samples would count twice")
     return Logs(logs, notes)
 
 
