@@ -24,10 +24,10 @@ _TAIL = 9.0  # beyond c + 9 standard deviations lies less than 1e-17 of what lie
 @lru_cache(maxsize=16)
 def _spectrum(probability: float, correlation: float) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """s_k and d_k."""
-    from scipy.special import ndtri
+    from scipy.special import ndtri, roots_legendre
 
     innovation = sqrt(1.0 - correlation * correlation)
-    point, weight = np.polynomial.legendre.leggauss(max(64, ceil(20.0 / innovation)))
+    point, weight = roots_legendre(max(64, ceil(20.0 / innovation)))
     x = ndtri(0.5 * (1.0 + probability)) + 0.5 * _TAIL * (1.0 + point)
     density = np.sqrt(2.0 / np.pi) * np.exp(-0.5 * x * x)  # of |e|
     start = np.sqrt(0.5 * _TAIL * weight * density)
