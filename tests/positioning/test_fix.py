@@ -137,6 +137,19 @@ def test_strongest_three_are_the_nearest():
     assert got.residual_m.shape == (50, 6)
 
 
+@given(st.permutations(range(5)), st.integers(2, 3), st.integers(0, 2**32 - 1))
+def test_order_of_the_nodes_does_not_matter(order, axes, seed):
+    rng = np.random.default_rng(seed)
+    nodes, position = rng.uniform(-100.0, 100.0, (5, axes)), rng.uniform(-50.0, 50.0, axes)
+    ranges, std = ranges_of(nodes, position) + rng.uniform(-0.5, 0.5, 5), rng.uniform(0.5, 2.0, 5)
+    one = fix(nodes, ranges, std, prior_m=position)
+    assume(one.condition < 30.0 and not one.ambiguous)
+    other = fix(nodes[order], ranges[order], std[order], prior_m=position)
+    assert other.position_m == pytest.approx(one.position_m, abs=1e-5)
+    assert other.covariance_m2 == pytest.approx(one.covariance_m2, rel=1e-5, abs=1e-8)
+    assert other.residual_m == pytest.approx(one.residual_m[order], abs=1e-5)
+
+
 def test_moving_nodes_are_one_epoch_at_a_time():
     rng = np.random.default_rng(5)
     nodes, position = rng.uniform(-100.0, 100.0, (20, 4, 3)), rng.uniform(-50.0, 50.0, (20, 3))
