@@ -13,6 +13,8 @@ from rss_gym.params import ParamsError
 
 Floats = npt.NDArray[np.floating[Any]]  # what NumPy says its arithmetic returns
 
+SIZE_MAX = 1e60  # squares of squares stay far inside the range of floating point
+
 
 def finite(
     name: str,
@@ -21,7 +23,7 @@ def finite(
     high: float = math.inf,
     dimensions: tuple[int, ...] = (),
 ) -> npt.NDArray[np.float64]:
-    """`value` as an array of float64, all of it finite and in [low, high].
+    """`value` as an array of float64, all of it finite, in [low, high] and at most 1e60 in size.
 
     With `dimensions` it must not be empty and have one of these numbers of dimensions.
 
@@ -46,6 +48,8 @@ def finite(
         first = int(np.argmin(right))
         where = f" at element {first}" if array.ndim else ""
         raise ParamsError(f"{name} must be finite{bounds}, got {array.flat[first]:g}{where}")
+    if (np.abs(array) > SIZE_MAX).any():
+        raise ParamsError(f"{name} must be at most {SIZE_MAX:g} in size, got {np.abs(array).max():g}")
     return array
 
 
@@ -79,6 +83,13 @@ def distances(values: npt.ArrayLike, dimensions: tuple[int, ...] = (1, 2)) -> np
     if array.min() <= 0.0:
         raise ParamsError(f"distance_m must be above 0, got {array.min():g} at element {int(np.argmin(array))}")
     return array
+
+
+def instance(name: str, value: Any, kind: type) -> None:
+    """Raise ParamsError unless `value` is of a type."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOUaeiou" else "a"
+        raise ParamsError(f"{name} must be {article} {kind.__name__}, got {type(value).__name__}")
 
 
 def positive(name: str, value: Any, high: float = math.inf) -> float:

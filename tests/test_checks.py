@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rss_gym.checks import finite, single, together
+from rss_gym.checks import finite, instance, single, together
 from rss_gym.params import ParamsError
 
 
@@ -33,6 +33,17 @@ def test_what_is_no_number(value):
 def test_the_first_wrong_value_is_named(value, shown):
     with pytest.raises(ParamsError, match=rf"^x_m must be finite in \[0, 6\], got {shown}( at element \d)?$"):
         finite("x_m", value, 0.0, 6.0)
+
+
+def test_what_is_too_large_to_square():
+    with pytest.raises(ParamsError, match=r"^x_m must be at most 1e\+60 in size, got 1e\+200$"):
+        finite("x_m", [0.0, -1e200])
+
+
+def test_instance_names_both_types():
+    instance("x", 3, int)
+    with pytest.raises(ParamsError, match=r"^x must be an int, got str$"):
+        instance("x", "3", int)
 
 
 def test_one_number_is_no_array():

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from rss_gym.checks import finite, single
+from rss_gym.checks import finite, instance, single
 from rss_gym.params import ParamsError
 
 Kind = Literal["cubic", "quintic"]
@@ -154,6 +154,8 @@ def separation(one: Trajectory, two: Trajectory) -> Separation:
     ParamsError
         When they have no time in common, or one is in the plane and the other in space.
     """
+    instance("one", one, Trajectory)
+    instance("two", two, Trajectory)
     if one.curve.c.shape[2] != two.curve.c.shape[2]:
         raise ParamsError("the two trajectories must have the same number of coordinates, got 2 and 3")
     begin, end = max(one.time_s[0], two.time_s[0]), min(one.time_s[-1], two.time_s[-1])

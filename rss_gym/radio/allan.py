@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rss_gym.checks import Floats, finite, positive
+from rss_gym.checks import Floats, finite, instance, positive, single
 from rss_gym.params import ParamsError
 from rss_gym.radio.gauss_markov import GaussMarkov
 
@@ -63,7 +63,7 @@ class AllanCurve:
         """
         from scipy.special import chdtri
 
-        if not 0.0 < confidence < 1.0:
+        if not 0.0 < single("confidence", confidence) < 1.0:
             raise ParamsError(f"confidence must lie between 0 and 1, got {confidence!r}")
         side = 0.5 * (1.0 - confidence)
         scaled = self.freedom * self.variance_db2
@@ -119,7 +119,10 @@ def allan_curve(values: Any, period_s: float, clusters: Sequence[int] | None = N
 def _clusters(clusters: Sequence[int] | None, longest: int) -> NDArray[np.int64]:
     if clusters is None:
         return 2 ** np.arange(int(math.log2(longest // 3)) + 1, dtype=np.int64)
-    m = np.asarray(clusters)
+    try:
+        m = np.asarray(clusters)
+    except ValueError:  # rows of different lengths
+        m = np.asarray(None)
     if m.ndim != 1 or m.dtype.kind not in "iu" or m.size == 0 or m[0] < 1 or (np.diff(m) <= 0).any():
         raise ParamsError(f"clusters must be rising whole numbers from 1 on, got {clusters!r}")
     if 2 * m[-1] > longest:
@@ -156,9 +159,16 @@ def allan_model(clusters: Any, white_variance_db2: float, noise: GaussMarkov, pe
     -------
     ndarray, shape (m,)
         Allan variance, dB^2.
+
+    Raises
+    ------
+    ParamsError
+        For clusters below 1, a negative white variance, a period that is not positive, or what is no GaussMarkov.
     """
-    m = np.asarray(clusters, dtype=np.float64)
-    return white_variance_db2 / m + noise.variance_db2 * unit_allan(m, period_s / noise.tc_s)
+    instance("noise", noise, GaussMarkov)
+    m, white = finite("clusters", clusters, 1.0), single("white_variance_db2", white_variance_db2, 0.0)
+    period_s = positive("period_s", period_s)
+    return white / m + noise.variance_db2 * unit_allan(m, period_s / noise.tc_s)
 
 
 def unit_allan(m: Floats, x: float | Floats) -> Floats:

@@ -6,6 +6,7 @@ import dataclasses
 import os
 from pathlib import Path
 
+from rss_gym.checks import instance
 from rss_gym.files import write_text
 from rss_gym.params import Channel, ParamsError
 
@@ -34,8 +35,8 @@ def save_channel(channel: Channel, path: str | os.PathLike[str], comment: str = 
     ParamsError
         If `channel` is no Channel, the comment holds control characters or is too long, or the file cannot be written.
     """
-    if not isinstance(channel, Channel):
-        raise ParamsError(f"channel must be a Channel, got {type(channel).__name__}")
+    instance("channel", channel, Channel)
+    instance("comment", comment, str)
     lines = comment.splitlines()
     if len(comment) > COMMENT_MAX or not all(line.replace("\t", " ").isprintable() for line in lines):
         raise ParamsError(f"comment must be printable text of at most {COMMENT_MAX} characters, got {comment[:80]!r}")

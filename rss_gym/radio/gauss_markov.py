@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from rss_gym.checks import Floats, positive
+from rss_gym.checks import Floats, finite, positive, single, together
 from rss_gym.params import ParamsError
 from rss_gym.physics import noise
 
@@ -75,7 +75,7 @@ class GaussMarkov:
 
     def autocovariance(self, lag_s: Any) -> Floats:
         """(11), which is S e^{lambda |lag|}, dB^2, at lags in s (array of any shape)."""
-        return self.variance_db2 * np.exp(-np.abs(np.asarray(lag_s, dtype=np.float64)) / self.tc_s)
+        return self.variance_db2 * np.exp(-np.abs(finite("lag_s", lag_s)) / self.tc_s)
 
     def covariance(self, m: Any, n: Any, period_s: float, initial_variance_db2: float) -> Floats:
         """R_phi(m, n) of (9)-(10): the process m and n periods after a start of given variance.
@@ -93,12 +93,16 @@ class GaussMarkov:
         -------
         ndarray
             a^(m+n) E[phi(0)^2] + S a^|n-m| (1 - a^(2 min(m, n))), the geometric sum of (10) closed, dB^2.
+
+        Raises
+        ------
+        ParamsError
+            Unless steps are whole numbers of at least 0 that broadcast, the period above 0, the variance at least 0.
         """
-        m, n = np.asarray(m), np.asarray(n)
-        if m.dtype.kind not in "iu" or n.dtype.kind not in "iu" or min(m.min(), n.min()) < 0:
-            raise ParamsError(f"m and n must be whole numbers of steps, at least 0, got {m} and {n}")
-        if not (math.isfinite(initial_variance_db2) and initial_variance_db2 >= 0.0):
-            raise ParamsError(f"initial_variance_db2 must be finite and at least 0, got {initial_variance_db2!r}")
+        m, n = together(m=(m,), n=(n,))
+        if any((steps < 0.0).any() or (steps % 1.0).any() for steps in (m, n)):
+            raise ParamsError(f"m and n must be whole numbers of steps, at least 0, got {m} and {n}"[:300])
+        initial_variance_db2 = single("initial_variance_db2", initial_variance_db2, 0.0)
         x = positive("period_s", period_s) / self.tc_s
         driven = self.variance_db2 * np.exp(-x * np.abs(n - m)) * -np.expm1(-2.0 * x * np.minimum(m, n))
         return np.exp(-x * (m + n)) * initial_variance_db2 + driven

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rss_gym.checks import Floats
+from rss_gym.checks import Floats, instance
 from rss_gym.params import ParamsError
 from rss_gym.radio.allan import AllanCurve, allan_covariance, allan_model, unit_allan
 from rss_gym.radio.gauss_markov import GaussMarkov
@@ -68,11 +68,12 @@ def identify(curve: AllanCurve) -> NoiseFit:
     Raises
     ------
     ParamsError
-        For fewer than 4 clusters, or a curve with a zero: a constant record has no noise to fit.
+        For what is no AllanCurve, fewer than 4 clusters, or a curve with a zero: a constant record has no noise to fit.
     """
     from scipy.optimize import least_squares
     from scipy.special import digamma
 
+    instance("curve", curve, AllanCurve)
     if len(curve.clusters) < 4:
         raise ParamsError(f"the Allan curve must have at least 4 clusters, got {len(curve.clusters)}; record longer")
     if not (curve.variance_db2 > 0.0).all():

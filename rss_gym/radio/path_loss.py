@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.checks import Floats, distances, finite
+from rss_gym.checks import Floats, distances, finite, instance
 from rss_gym.jit import kernel
 from rss_gym.params import Channel, ParamsError, load_channel
 from rss_gym.physics.path_loss import distance_m as solved_m
@@ -93,6 +93,7 @@ def fit_path_loss(
     elif time_s is None:
         raise ParamsError("time_s must be given with noise, or how far the samples are correlated is unknown")
     else:
+        instance("noise", noise, NoiseFit)
         variance = _coloured(rows, finite("time_s", time_s, dimensions=(1,)), noise)
     stds = np.sqrt(variance)
     return PathLossFit(gamma, float(stds[0]), offset, float(stds[1]), residual)

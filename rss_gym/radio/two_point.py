@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rss_gym.checks import Floats, finite, positive
+from rss_gym.checks import Floats, finite, instance, positive, single
 from rss_gym.params import ParamsError
 from rss_gym.radio.allan import AllanCurve
 
@@ -84,11 +84,15 @@ def two_point(curve: AllanCurve | Autocovariance, tau_1_s: float, tau_2_s: float
     ParamsError
         If a time lies outside the curve, both mean one point, or the curve is not positive there.
     """
-    values = curve.variance_db2 if isinstance(curve, AllanCurve) else curve.covariance_db2
+    if isinstance(curve, AllanCurve):
+        values = curve.variance_db2
+    else:
+        instance("curve", curve, Autocovariance)
+        values = curve.covariance_db2
     points = []
     for name, tau_s in (("tau_1_s", tau_1_s), ("tau_2_s", tau_2_s)):
         low, high = curve.tau_s[0], curve.tau_s[-1]
-        if not low - 1e-9 <= tau_s <= high + 1e-9:
+        if not low - 1e-9 <= single(name, tau_s) <= high + 1e-9:
             raise ParamsError(f"{name} must lie within the curve, [{low:g}, {high:g}], got {tau_s!r}")
         points.append(int(np.argmin(np.abs(curve.tau_s - tau_s))))
     one, two = points

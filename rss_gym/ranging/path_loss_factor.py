@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from rss_gym.jit import kernel
 from rss_gym.params import Channel, ParamsError
 
+ITERATIONS_MAX = 100_000  # each is kept
 GAMMA_LIMITS = tuple(Channel.__dataclass_fields__["path_loss_factor"].metadata[end] for end in ("low", "high"))
 
 
@@ -123,7 +124,7 @@ def estimate_path_loss_factor(
     mu_db2 : float
         Tolerance of (28) on the change of e^T e, dB^2.
     iterations : int
-        The most steps to take, >= 1.
+        The most steps to take, 1 to 100,000.
 
     Raises
     ------
@@ -178,7 +179,7 @@ def adaptive(
     _check_whole("window", window)
     if not _is_number(offset_dbm):
         raise ParamsError(f"offset_dbm must be a finite number, got {offset_dbm!r}")
-    if len(limits) != 2 or not all(_is_number(end) for end in limits) or not limits[0] < limits[1]:
+    if np.shape(limits) != (2,) or not all(_is_number(end) for end in limits) or not limits[0] < limits[1]:
         raise ParamsError(f"limits must be two increasing numbers, got {limits!r}")
     length, rss = _pair(distance_m, "rss_dbm", rss_dbm)
     out = np.empty(len(rss))
@@ -232,3 +233,5 @@ def _check_iteration(initial: Any, theta: Any, mu_db2: Any, iterations: Any) -> 
     if not _is_number(mu_db2) or mu_db2 < 0.0:
         raise ParamsError(f"mu_db2 must be a number of at least 0, got {mu_db2!r}")
     _check_whole("iterations", iterations)
+    if iterations > ITERATIONS_MAX:
+        raise ParamsError(f"iterations must be at most {ITERATIONS_MAX:,}, got {iterations:,}")

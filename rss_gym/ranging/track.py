@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rss_gym.checks import instance
 from rss_gym.params import Channel, Clock, Group, ParamsError, Ranging, number, suggestion
 from rss_gym.ranging import filters, log_distance, window
 from rss_gym.ranging.batch import Output, Setting
 
 WORLD = Ranging()
 TICK_S = Clock().tick_s
+RSS_MAX_DBM = 1000.0  # far beyond any receiver; ranges overflow at some thousands
 WHITE_VARIANCE_MIN_DB2 = 1e-6  # keeps R positive, as in the world
 
 
@@ -170,15 +172,18 @@ def track(
     Raises
     ------
     ParamsError
-        For an unknown estimator, a wrong type or shape, times that do not increase, or infinite values.
+        For an unknown estimator, a wrong type or shape, times that do not increase, infinite values, or RSS beyond
+        1000 dBm on either side of 0.
     """
     if not isinstance(estimator, str) or estimator not in ESTIMATORS:
         raise ParamsError(f"estimator = {estimator!r} is unknown{suggestion(str(estimator), ESTIMATORS)}")
     tuning = Tuning() if tuning is None else tuning
-    for name, value, kind in (("channel", channel, Channel), ("tuning", tuning, Tuning)):
-        if not isinstance(value, kind):
-            raise ParamsError(f"{name} must be a {kind.__name__}, got {type(value).__name__}")
+    instance("channel", channel, Channel)
+    instance("tuning", tuning, Tuning)
     rss = _numbers("rss_dbm", rss_dbm)
+    beyond = rss[np.abs(rss) > RSS_MAX_DBM]
+    if beyond.size:
+        raise ParamsError(f"rss_dbm must lie within {RSS_MAX_DBM:g} dBm of 0, got {beyond[0]:g}")
     if rss.ndim not in (1, 2) or rss.size == 0:
         raise ParamsError(f"rss_dbm must have the shape (n,) or (k, n) with at least one sample, got {rss.shape}")
     time = _rows("time_s", time_s, rss.shape)

@@ -30,7 +30,7 @@ def trials_max(coherence_s: npt.ArrayLike, observed_s: npt.ArrayLike = 1.0) -> n
 
     (39) states about 40 for 25.39 ms, rounded up; the whole part is 39.
     """
-    coherence, observed = together(coherence_s=(coherence_s, 1e-9), observed_s=(observed_s, 0.0))
+    coherence, observed = together(coherence_s=(coherence_s, 1e-9), observed_s=(observed_s, 0.0, 1e9))
     return np.floor(observed / coherence).astype(np.int64)[()]
 
 

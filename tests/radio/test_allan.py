@@ -1,5 +1,7 @@
 """The Allan variance against allantools, a quadratic form, long simulations, and the coverage of its interval."""
 
+import math
+
 import allantools
 import numpy as np
 import pytest
@@ -189,6 +191,8 @@ def test_coverage_of_the_interval(white, variance, tc_s):
         ((np.arange(9.0), 0.1, [2, 1]), "rising"),
         ((np.arange(9.0), 0.1, [0, 1]), "from 1"),
         ((np.arange(9.0), 0.1, [1.5]), "whole"),
+        ((np.arange(9.0), 0.1, [[1], [2, 3]]), "whole"),
+        ((np.array([1e308, -1e308, 1e308]), 0.1), "1e\\+60 in size"),
     ],
 )
 def test_bad_input(arguments, says):
@@ -196,6 +200,22 @@ def test_bad_input(arguments, says):
         allan_curve(*arguments)
 
 
-def test_bad_confidence():
+@pytest.mark.parametrize("confidence", [1.0, 0.0, math.nan, "0.95", None])
+def test_bad_confidence(confidence):
     with pytest.raises(ParamsError, match="confidence"):
-        allan_curve(np.arange(9.0), 0.1).interval(1.0)
+        allan_curve(np.arange(9.0), 0.1).interval(confidence)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"clusters": [0]}, "clusters must be finite in"),
+        ({"white_variance_db2": -1.0}, "white_variance_db2 must be finite in"),
+        ({"noise": 4.0}, "noise must be a GaussMarkov, got float"),
+        ({"period_s": 0.0}, "period_s"),
+    ],
+)
+def test_bad_model(changes, says):
+    good = {"clusters": [1, 2], "white_variance_db2": 4.0, "noise": GaussMarkov(4.0, 2.0), "period_s": 0.1}
+    with pytest.raises(ParamsError, match=says):
+        allan_model(**good | changes)

@@ -69,6 +69,10 @@ def test_lambda_that_diverges_is_refused(lambda_ps):
         (lambda: GaussMarkov(4.0, 2.0).covariance(-1, 2, 0.1, 0.0), "m and n"),
         (lambda: GaussMarkov(4.0, 2.0).covariance(1.5, 2, 0.1, 0.0), "m and n"),
         (lambda: GaussMarkov(4.0, 2.0).covariance(1, 2, 0.1, math.nan), "initial_variance_db2"),
+        (lambda: GaussMarkov(4.0, 2.0).covariance(1, 2, 0.1, "4"), "initial_variance_db2"),
+        (lambda: GaussMarkov(4.0, 2.0).covariance([1, 2], [1, 2, 3], 0.1, 0.0), "broadcast"),
+        (lambda: GaussMarkov(4.0, 2.0).autocovariance("1"), "lag_s"),
+        (lambda: GaussMarkov(4.0, 2.0).autocovariance([0.0, math.nan]), "lag_s must be finite, got nan at element 1"),
     ],
 )
 def test_bad_input(call, says):

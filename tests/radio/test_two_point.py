@@ -76,6 +76,8 @@ def test_autocovariance_is_numpys():
         (lambda: two_point(exact_allan(1.0), 0.1, 500.0), "tau_2_s"),
         (lambda: two_point(exact_allan(1.0), math.nan, 1.0), "tau_1_s"),
         (lambda: two_point(exact_allan(1.0), 0.8, 0.81), "one point"),
+        (lambda: two_point(exact_allan(1.0), "0.8", 1.0), "tau_1_s must be a number"),
+        (lambda: two_point(np.ones(5), 0.1, 0.2), "curve must be an Autocovariance, got ndarray"),
         (lambda: two_point(Autocovariance(0.1, np.arange(3), np.array([1.0, 0.5, -0.1])), 0.0, 0.2), "positive"),
         (lambda: autocovariance([1.0, 2.0, 3.0], 0.1, 3), "lags"),
         (lambda: autocovariance([1.0, 2.0, 3.0], 0.1, True), "lags"),

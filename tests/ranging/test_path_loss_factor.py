@@ -140,6 +140,7 @@ def test_adaptive_holds_gamma():
         ({"initial": np.inf}, "initial must be a finite number"),
         ({"mu_db2": -1.0}, "mu_db2 must be a number of at least 0"),
         ({"iterations": 0}, "iterations must be a whole number of at least 1"),
+        ({"iterations": 10**12}, "iterations must be at most 100,000, got 1,000,000,000,000"),
         ({"iterations": 2.5}, "iterations must be a whole number of at least 1"),
         ({"distance_m": [10.0, 0.0]}, "distance_m must be above 0 m, got 0"),
         ({"distance_m": [10.0]}, "must have one shape (n,), got (1,) and (2,)"),
@@ -160,6 +161,7 @@ def test_bad_input(changes, sentence):
         ({"window": 0}, "window must be a whole number of at least 1"),
         ({"offset_dbm": np.nan}, "offset_dbm must be a finite number"),
         ({"limits": (3.0, 2.0)}, "limits must be two increasing numbers"),
+        ({"limits": 5.0}, "limits must be two increasing numbers"),
     ],
 )
 def test_bad_input_of_adaptive(changes, sentence):

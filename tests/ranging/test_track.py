@@ -313,6 +313,7 @@ def test_white_filter_is_consistent_where_its_model_is_the_truth():
         ({"time_s": [0.0, 1.0]}, "time_s must have the shape (3,)"),
         ({"rss_dbm": ["a", "b", "c"]}, "rss_dbm must be an array of numbers"),
         ({"rss_dbm": [-80.0, -np.inf, -80.0]}, "rss_dbm must be finite or NaN"),
+        ({"rss_dbm": [-80.0, 1e5, -80.0]}, "rss_dbm must lie within 1000 dBm of 0, got 100000"),
         ({"rss_dbm": []}, "at least one sample, got (0,)"),
         ({"rss_dbm": -80.0}, "must have the shape (n,) or (k, n)"),
         ({"range_rate_mps": [1.0]}, "range_rate_mps must have the shape (3,)"),
