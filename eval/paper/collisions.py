@@ -66,17 +66,18 @@ def collisions(study: Study) -> Panel:
             note=f"{flown.late[at_zone]} of {n:,} approaches at {SPEED_MPS:g} m/s from {START_M:g} m under the world's "
             "filter on the preset paper" + ("" if covered is not None else "; too few to show it"),
         ),
-        Number(
-            id="fig12-covers",
-            what="flown: least radius whose miss probability is at most 1e-5 (upper end of 95 %)",
-            paper=ZONE.radius_m,
-            seen=exact(2.0 * RADII_M[-1] if covered is None else covered, n),
-            unit="m",
-            role="claim",
-            relation="at most",
-            note=f"{n:,} approaches show no radius to be enough: twice the largest stands here"
-            if covered is None
-            else "the radius of (40) covers it by far: near contact the RSS is above what noise can hide",
+        *(
+            Number(
+                id="fig12-covers",
+                what="flown: least radius whose miss probability is at most 1e-5 (upper end of 95 %)",
+                paper=ZONE.radius_m,
+                seen=exact(float(radius), n),
+                unit="m",
+                role="claim",
+                relation="at most",
+                note="the radius of (40) covers it by far: near contact the RSS is above what noise can hide",
+            )
+            for radius in shown[:1]  # too few approaches show none
         ),
         Number(
             id="fig12-looks",

@@ -92,6 +92,11 @@ def test_least_squares_is_calibrated_and_counts_nowhere(small, entries):
     assert sum(total for _, total in counts(small.numbers).values()) == len(entries) - 1
 
 
+def test_what_too_few_approaches_cannot_show_has_no_number(entries):
+    assert "fig12-covers" not in entries and not entries["fig12-flown"]["agrees"]
+    assert "too few" in entries["fig12-flown"]["note"]
+
+
 def test_flown_form_of_the_rule_never_falls_short(entries):
     assert entries["fig14-flown"]["agrees"] and entries["fig14-step"]["agrees"]
     assert entries["fig14-printed"]["measured"] > 0.5
