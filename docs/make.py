@@ -17,7 +17,7 @@ SHOWN_SEED, SHOWN_S = 5, 37.0
 POLICIES = [
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (20, 40, 60, 80, 120)),
-    "orthogonal-oracle:radius_m=60",
+    "orthogonal@oracle:radius_m=60",
     "constant:right_m=30",
     "blind",
     "brake",

@@ -15,7 +15,7 @@ DEMO_REFERENCE = "orthogonal:radius_m=60"  # the replays show each policy beside
 DEMO_POLICIES = (
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
-    "orthogonal-oracle:radius_m=60",
+    "orthogonal@oracle:radius_m=60",
     "constant:right_m=30",
     "blind",
 )

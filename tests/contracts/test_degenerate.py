@@ -68,7 +68,7 @@ def test_start_near_the_zone_begins_on_its_edge():
 
 @pytest.mark.parametrize("family", ["exact-head-on", "tail-chase", "equal-velocities", "start-near-zone"])
 def test_the_rule_on_true_states_never_collides(family):
-    batch, _ = flown("orthogonal-oracle:radius_m=60", family)
+    batch, _ = flown("orthogonal@oracle:radius_m=60", family)
     assert not batch.episode["collision"].any()
 
 

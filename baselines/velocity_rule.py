@@ -1,0 +1,78 @@
+"""Base of the rules that choose a velocity: path following, radius with the estimate's spread, the sides kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rss_gym.baselines.located import Others, locate, vectors
+from rss_gym.baselines.policy import Scripted
+from rss_gym.params import MAX_INTRUDERS, number
+
+HEIGHT_M = 15.0  # in space an intruder farther above or below is no matter: three std of two altitudes and a collision
+HOMING_PS = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class VelocityRule(Scripted):
+    """A rule that changes the velocity of path following where it would lead to a conflict.
+
+    The commanded velocity is that of the way point, which the autopilot follows with a lag of about a second; it is
+    integrated by the world, so that the aircraft flies the velocity commanded without an error that grows.
+
+    Parameters
+    ----------
+    radius_m : float
+        Separation wanted.
+    lookahead_s : float
+        Time within which conflicts count.
+    sigmas : float
+        The radius grows by this many standard deviations of the other's position.
+    keep_side : float
+        1 keeps the side chosen at the start of a conflict, 0 chooses it anew at every decision.
+    """
+
+    radius_m: float = number(20.0, 1.0, 1000.0)
+    lookahead_s: float = number(20.0, 0.5, 600.0)
+    sigmas: float = number(1.0, 0.0, 10.0)
+    keep_side: float = number(1.0, 0.0, 1.0)
+
+    tracks = ("oracle", "paper")
+    columns = MAX_INTRUDERS  # the side kept from each
+
+    def interface(self) -> dict[str, Any]:
+        """Commands velocities."""
+        return {"action": "velocity"}
+
+    def steer(
+        self, own: np.ndarray, wanted: np.ndarray, others: Others, radius_m: np.ndarray, memory: np.ndarray
+    ) -> None:
+        """Change `wanted` (n, 3) in place; own velocities (n, 3), radii (n, K)."""
+        raise NotImplementedError
+
+    def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
+        """The rule's change of path following."""
+        return self.steered(seen, memory, path_following(seen, self.world.aircraft.speed_max_mps))
+
+    def steered(self, seen: dict[str, np.ndarray], memory: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+        """Actions that fly the velocities `wanted` (n, 3) where the rule does not object."""
+        others = locate(seen, self.world)
+        near = others.known & (np.abs(others.position_m[..., 2]) < HEIGHT_M)
+        others = Others(near, others.position_m, others.velocity_mps, others.std_m)
+        radius = np.minimum(self.radius_m + self.sigmas * others.std_m, self.world.zone.radius_m)
+        self.steer(vectors(seen, "velocity", "mps"), wanted, others, radius, memory)
+        memory[:, : near.shape[1]] *= self.keep_side
+        wanted[:, 0] -= seen["cruise_mps"]
+        limits = self.world.aircraft
+        return wanted / [limits.speed_max_mps, limits.speed_max_mps, limits.vertical_speed_max_mps]
+
+
+def path_following(seen: dict[str, np.ndarray], speed_max_mps: float) -> np.ndarray:
+    """Velocity of the way point that leads it back to the predefined trajectory, (n, 3)."""
+    velocity = -HOMING_PS * vectors(seen, "way_point", "m")
+    velocity[:, 0] += seen["cruise_mps"]
+    level = np.hypot(velocity[:, 0], velocity[:, 1])
+    velocity[:, :2] *= (speed_max_mps / np.maximum(level, speed_max_mps))[:, None]
+    return velocity
