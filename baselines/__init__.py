@@ -114,14 +114,14 @@ def make(spec: str, params: Params | None = None) -> Scripted:
     spec : str
         Names of `POLICIES` with tracks and options, all numbers in SI.
     params : Params, optional
-        The world; the policy's own `world` is this with the interface that the policy declares. Without `@track` a policy
+        The world; the policy's own `world` is this with the interface that the policy declares. Without `@track` it
         flies on the world's track if it can.
 
     Raises
     ------
     ParamsError
-        For what `parse` refuses, an option out of range, a track that the rule cannot fly on, or a contradiction with the
-        world.
+        For what `parse` refuses, an option out of range, a track that the rule cannot fly on, or a contradiction with
+        the world.
     """
     parsed = parse(spec)
     kind, world = POLICIES[parsed.rule], Params.of(params)
@@ -135,7 +135,8 @@ def make(spec: str, params: Params | None = None) -> Scripted:
             )
         track = kind.tracks[-1]
     try:
-        policy = kind(**parsed.options, **({"base": base} if base else {}))
+        options: dict[str, Any] = parsed.options | ({"base": base} if base else {})
+        policy = kind(**options)
         return dataclasses.replace(policy, world=Params.of(world, track=track, **policy.interface()))
     except ParamsError as error:
         raise ParamsError(f"policy {spec!r}: {error}") from error
@@ -147,11 +148,8 @@ def _options(kind: type[Scripted]) -> dict[str, Any]:
 
 
 def describe() -> dict[str, dict[str, Any]]:
-    """Name -> summary, options with their defaults, and tracks, for listings."""
+    """Name -> summary and options with their defaults, for listings."""
     return {
-        name: {
-            "summary": (kind.__doc__ or "").strip().splitlines()[0],
-            "options": _options(kind),
-        }
+        name: {"summary": (kind.__doc__ or "").strip().splitlines()[0], "options": _options(kind)}
         for name, kind in POLICIES.items()
     }

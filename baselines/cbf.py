@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.avoidance.approach import keep
+from rss_gym.avoidance.approach import conflict
 from rss_gym.avoidance.collision_cone import half_plane
 from rss_gym.avoidance.half_planes import nearest
 from rss_gym.baselines.located import Others, vectors
@@ -19,34 +19,32 @@ from rss_gym.params import Params, number
 
 
 @kernel
-def _steer(own, known, position, velocity, radius, lookahead_s, rate_ps, response_s, speed, memory, out):
+def _steer(flown, known, position, velocity, radius, lookahead_s, rate_ps, response_s, speed, out):
     """Rows of the filter."""
     intruders = known.shape[1]
     planes, room = np.zeros((intruders, 4)), np.zeros((intruders, 4))
     for row in range(len(out)):
         count = 0
         for k in range(intruders):
-            side = 0.0
-            if known[row, k]:
-                x, y, r = position[row, k, 0], position[row, k, 1], radius[row, k]
-                ox, oy = velocity[row, k, 0], velocity[row, k, 1]
-                side = keep(memory[row, k], x, y, out[row, 0] - ox, out[row, 1] - oy, r, lookahead_s)
-                if side != 0.0:
-                    vx, vy = own[row, 0], own[row, 1]
-                    half_plane(x, y, vx - ox, vy - oy, vx, vy, r, rate_ps, response_s, side, planes, count)
-                    count += 1
-            memory[row, k] = side
+            if not known[row, k]:
+                continue
+            x, y, r = position[row, k, 0], position[row, k, 1], radius[row, k]
+            ox, oy = velocity[row, k, 0], velocity[row, k, 1]
+            if conflict(x, y, out[row, 0] - ox, out[row, 1] - oy, r, lookahead_s):
+                vx, vy = flown[row, 0], flown[row, 1]
+                half_plane(x, y, vx - ox, vy - oy, vx, vy, r, rate_ps, response_s, planes, count)
+                count += 1
         if count:
             out[row, 0], out[row, 1] = nearest(planes, count, speed, out[row, 0], out[row, 1], room)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cbf(VelocityRule):
-    """Collision-cone control-barrier filter (Thontepu et al. 2022) round path following, or as `cbf+NAME` round a policy.
+    """Collision-cone control-barrier filter (Thontepu et al. 2022), round path following or, as `cbf+NAME`, a policy.
 
     Parameters
     ----------
-    radius_m, lookahead_s, sigmas, keep_side
+    radius_m, lookahead_s, sigmas
         See `VelocityRule`.
     rate_ps : float
         alpha of the barrier.
@@ -93,11 +91,17 @@ class Cbf(VelocityRule):
         return self.steered(seen, memory, wanted)
 
     def steer(
-        self, own: np.ndarray, wanted: np.ndarray, others: Others, radius_m: np.ndarray, memory: np.ndarray
+        self,
+        flown: np.ndarray,
+        cruise_mps: np.ndarray,
+        wanted: np.ndarray,
+        others: Others,
+        radius_m: np.ndarray,
+        memory: np.ndarray,
     ) -> None:
         """The velocity nearest to `wanted` that every barrier allows."""
         _steer(
-            own,
+            flown,
             others.known,
             others.position_m,
             others.velocity_mps,
@@ -106,6 +110,5 @@ class Cbf(VelocityRule):
             self.rate_ps,
             self.response_s,
             self.world.aircraft.speed_max_mps,
-            memory,
             wanted,
         )

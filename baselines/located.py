@@ -1,4 +1,4 @@
-"""What the exchanged messages say about the others, with its uncertainty: the input of the rules that need positions."""
+"""Where the others are by the messages held, and how sure that is: the input of the rules that need positions."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def candidates(reach_m: float, band_m: float) -> np.ndarray:
 @kernel
 def _steer(
     table, error, velocity, way_point, cruise, known, position, speed, std,
-    radius_m, sigmas, drift_mps, height_m, steps, step_s, limits, effort_s, penalty, out,
+    radius_m, sigmas, drift_mps, height_m, steps, step_s, limits, effort_s, penalty_m, out,
 ):  # fmt: skip
     """Rows of the cheapest candidate; without an other in sight the path is followed."""
     others = np.zeros((known.shape[1], 7))
@@ -55,7 +55,7 @@ def _steer(
                 error[row, 0], error[row, 1], error[row, 2], velocity[row, 0], velocity[row, 1], velocity[row, 2],
                 way_point[row, 0], way_point[row, 1], way_point[row, 2], table[c, 0], table[c, 1], table[c, 2],
                 cruise[row], others, count, radius_m, sigmas, drift_mps, height_m, steps, step_s,
-                limits[0], limits[1], limits[2], limits[3], limits[4], effort_s, penalty,
+                limits[0], limits[1], limits[2], limits[3], limits[4], effort_s, penalty_m, least,
             )  # fmt: skip
             if value < least:
                 best, least = c, value

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rss_gym.avoidance.approach import keep
 from rss_gym.avoidance.half_planes import nearest
 from rss_gym.avoidance.orca import half_plane
 from rss_gym.baselines.located import Others
@@ -16,24 +15,18 @@ from rss_gym.params import number
 
 
 @kernel
-def _steer(own, known, position, velocity, radius, lookahead_s, period_s, responsibility, speed, memory, out):
+def _steer(flown, known, position, velocity, radius, lookahead_s, period_s, responsibility, speed, out):
     """Rows of ORCA."""
     intruders = known.shape[1]
     planes, room = np.zeros((intruders, 4)), np.zeros((intruders, 4))
     for row in range(len(out)):
         count = 0
         for k in range(intruders):
-            side = 0.0
             if known[row, k]:
-                x, y, r = position[row, k, 0], position[row, k, 1], radius[row, k]
-                ox, oy = velocity[row, k, 0], velocity[row, k, 1]
-                side = keep(memory[row, k], x, y, out[row, 0] - ox, out[row, 1] - oy, r, lookahead_s)
-                vx, vy = own[row, 0], own[row, 1]
-                half_plane(
-                    x, y, vx - ox, vy - oy, vx, vy, r, lookahead_s, period_s, responsibility, side, planes, count
-                )
+                x, y, vx, vy = position[row, k, 0], position[row, k, 1], flown[row, 0], flown[row, 1]
+                rx, ry = vx - velocity[row, k, 0], vy - velocity[row, k, 1]
+                half_plane(x, y, rx, ry, vx, vy, radius[row, k], lookahead_s, period_s, responsibility, planes, count)
                 count += 1
-            memory[row, k] = side
         if count:
             out[row, 0], out[row, 1] = nearest(planes, count, speed, out[row, 0], out[row, 1], room)
 
@@ -44,20 +37,27 @@ class Orca(VelocityRule):
 
     Parameters
     ----------
-    radius_m, lookahead_s, sigmas, keep_side
+    radius_m, lookahead_s, sigmas
         See `VelocityRule`; the look-ahead is tau.
     responsibility : float
         Share of the change that is taken: 1, as the others do not react.
     """
 
+    lookahead_s: float = number(10.0, 0.5, 600.0)
     responsibility: float = number(1.0, 0.0, 1.0)
 
     def steer(
-        self, own: np.ndarray, wanted: np.ndarray, others: Others, radius_m: np.ndarray, memory: np.ndarray
+        self,
+        flown: np.ndarray,
+        cruise_mps: np.ndarray,
+        wanted: np.ndarray,
+        others: Others,
+        radius_m: np.ndarray,
+        memory: np.ndarray,
     ) -> None:
         """The velocity nearest to `wanted` in all half-planes."""
         _steer(
-            own,
+            flown,
             others.known,
             others.position_m,
             others.velocity_mps,
@@ -66,6 +66,5 @@ class Orca(VelocityRule):
             self.world.clock.decision_s,
             self.responsibility,
             self.world.aircraft.speed_max_mps,
-            memory,
             wanted,
         )

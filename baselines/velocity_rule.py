@@ -1,4 +1,4 @@
-"""Base of the rules that choose a velocity: path following, radius with the estimate's spread, the sides kept."""
+"""Base of the rules that choose a velocity: path following, and a radius with the estimate's spread."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from rss_gym.baselines.located import Others, locate, vectors
 from rss_gym.baselines.policy import Scripted
-from rss_gym.params import MAX_INTRUDERS, number
+from rss_gym.params import number
 
 HEIGHT_M = 15.0  # in space an intruder farther above or below is no matter: three std of two altitudes and a collision
-HOMING_PS = 0.3
+HOMING_PS = 0.1  # slower than the autopilot, so that a velocity on the way back holds for some seconds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,26 +30,28 @@ class VelocityRule(Scripted):
         Time within which conflicts count.
     sigmas : float
         The radius grows by this many standard deviations of the other's position.
-    keep_side : float
-        1 keeps the side chosen at the start of a conflict, 0 chooses it anew at every decision.
     """
 
-    radius_m: float = number(20.0, 1.0, 1000.0)
+    radius_m: float = number(25.0, 1.0, 1000.0)
     lookahead_s: float = number(20.0, 0.5, 600.0)
     sigmas: float = number(1.0, 0.0, 10.0)
-    keep_side: float = number(1.0, 0.0, 1.0)
 
     tracks = ("oracle", "paper")
-    columns = MAX_INTRUDERS  # the side kept from each
 
     def interface(self) -> dict[str, Any]:
         """Commands velocities."""
         return {"action": "velocity"}
 
     def steer(
-        self, own: np.ndarray, wanted: np.ndarray, others: Others, radius_m: np.ndarray, memory: np.ndarray
+        self,
+        flown: np.ndarray,
+        cruise_mps: np.ndarray,
+        wanted: np.ndarray,
+        others: Others,
+        radius_m: np.ndarray,
+        memory: np.ndarray,
     ) -> None:
-        """Change `wanted` (n, 3) in place; own velocities (n, 3), radii (n, K)."""
+        """Change the velocities `wanted` (n, 3) in place; those flown (n, 3), planned speeds (n,), radii (n, K)."""
         raise NotImplementedError
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
@@ -62,8 +64,7 @@ class VelocityRule(Scripted):
         near = others.known & (np.abs(others.position_m[..., 2]) < HEIGHT_M)
         others = Others(near, others.position_m, others.velocity_mps, others.std_m)
         radius = np.minimum(self.radius_m + self.sigmas * others.std_m, self.world.zone.radius_m)
-        self.steer(vectors(seen, "velocity", "mps"), wanted, others, radius, memory)
-        memory[:, : near.shape[1]] *= self.keep_side
+        self.steer(vectors(seen, "velocity", "mps"), seen["cruise_mps"], wanted, others, radius, memory)
         wanted[:, 0] -= seen["cruise_mps"]
         limits = self.world.aircraft
         return wanted / [limits.speed_max_mps, limits.speed_max_mps, limits.vertical_speed_max_mps]

@@ -31,22 +31,8 @@ def side_of(x, y, vx, vy):
 
 
 @kernel
-def keep(side, x, y, vx, vy, radius_m, lookahead_s):
-    """The side to hold: the one held while the wanted velocity leads to a conflict, the nearer one at its start, 0 without.
-
-    Near a head-on the sign of a noisy offset changes from decision to decision; a velocity chosen anew each time then
-    goes to neither side.
-
-    Parameters
-    ----------
-    side : float
-        Held so far; 0 none.
-    x, y, vx, vy : float
-        As for `closest`, with the wanted velocity.
-    radius_m, lookahead_s : float
-        A conflict is an approach closer than this within this time.
-    """
+def conflict(x, y, vx, vy, radius_m, lookahead_s):
+    """Whether the other is within the radius, or will be within the look-ahead; arguments as for `closest`."""
     t, cx, cy = closest(x, y, vx, vy)
-    if x * x + y * y >= radius_m * radius_m and (t <= 0.0 or t > lookahead_s or cx * cx + cy * cy >= radius_m * radius_m):
-        return 0.0
-    return side if side != 0.0 else side_of(x, y, vx, vy)
+    reach = radius_m * radius_m
+    return x * x + y * y < reach or (0.0 < t <= lookahead_s and cx * cx + cy * cy < reach)

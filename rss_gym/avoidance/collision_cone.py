@@ -1,14 +1,14 @@
-"""Collision-cone control barrier function: the half-plane of velocities that keep the relative velocity leaving the cone.
+"""Collision-cone control barrier function: the half-plane of velocities that keep the relative one out of the cone.
 
 Thontepu et al., "Collision cone control barrier functions for kinematic obstacle avoidance in UGVs" (2022,
-arXiv 2209.11524), and Tayal et al. for UAVs (arXiv 2303.15871). With p the other's relative position, v the own velocity
-relative to it, s = sqrt(|p|^2 - R^2): h = |v| s - p . v >= 0 outside the cone, and a = (u - v_A) / response has to keep
-dh/dt >= -alpha h. A barrier on the distance alone can only push back along p, so near a head-on it yields no side.
+arXiv 2209.11524), and Tayal et al. for UAVs (arXiv 2303.15871). With p the other's relative position, v the own
+velocity relative to it, s = sqrt(|p|^2 - R^2): h = |v| s - p . v >= 0 outside the cone, and a = (u - v_A) / response
+has to keep dh/dt >= -alpha h. A barrier on the distance alone can only push back along p, so near a head-on it yields
+no side.
 """
 
 from math import sqrt
 
-from rss_gym.avoidance.approach import side_of
 from rss_gym.avoidance.half_planes import put_plane
 from rss_gym.jit import kernel
 
@@ -16,7 +16,7 @@ TINY = 1e-9
 
 
 @kernel
-def half_plane(x, y, vx, vy, own_x, own_y, radius_m, rate_ps, response_s, side, planes, n):
+def half_plane(x, y, vx, vy, own_x, own_y, radius_m, rate_ps, response_s, planes, n):
     """Write the barrier's half-plane for the commanded velocity into row n of `planes`.
 
     Parameters
@@ -33,29 +33,24 @@ def half_plane(x, y, vx, vy, own_x, own_y, radius_m, rate_ps, response_s, side, 
         alpha: the share of the barrier that may be lost in a second.
     response_s : float
         Time in which the autopilot takes up a commanded velocity.
-    side : float
-        Sign of the side to keep, as `approach.side_of` has it, or 0 for the side on which the other is.
     planes, n
         See `half_planes`.
     """
     distance, speed = sqrt(x * x + y * y), sqrt(vx * vx + vy * vy)
     if distance <= radius_m or speed <= TINY:
-        # Within the radius there is no cone: leave, the faster the deeper. Without relative motion nothing is to be done.
+        # Within the radius there is no cone: leave, the faster the deeper.
         away = (radius_m - distance) * rate_ps
         nx, ny = (-x / distance, -y / distance) if distance > TINY else (0.0, 1.0)
         put_plane(planes, n, own_x - vx + away * nx, own_y - vy + away * ny, nx, ny)
         return
     tangent = sqrt(distance * distance - radius_m * radius_m)
     ux, uy = vx / speed, vy / speed
-    along, across = x * ux + y * uy, abs(x * uy - y * ux)
+    along = x * ux + y * uy
     barrier = speed * (tangent - along)
     drift = speed * speed * (1.0 - along / tangent)
-    # The gradient s v / |v| - p, in parts along v and at right angles to it: away from the side kept.
-    away_from = side if side != 0.0 else side_of(x, y, vx, vy)
-    gx = (tangent - along) * ux - across * away_from * uy
-    gy = (tangent - along) * uy + across * away_from * ux
+    gx, gy = tangent * ux - x, tangent * uy - y
     square = gx * gx + gy * gy
     if square <= TINY:
-        gx, gy, square = -away_from * uy, away_from * ux, 1.0
+        gx, gy, square = -uy, ux, 1.0
     lack = response_s * (rate_ps * barrier + drift)
     put_plane(planes, n, own_x - lack * gx / square, own_y - lack * gy / square, gx, gy)

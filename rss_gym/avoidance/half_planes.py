@@ -1,8 +1,8 @@
 """The velocity nearest to a preferred one that keeps to half-planes and a speed limit: the linear programs of ORCA.
 
 Incremental algorithm of de Berg et al., "Computational Geometry", ch. 4, in the form of van den Berg, Guy, Lin and
-Manocha, "Reciprocal n-body collision avoidance" (ISRR 2009, published 2011), sec. 5. A row of `planes` (m, 4) is a point
-and a unit direction (px, py, dx, dy); velocities with dx (y - py) - dy (x - px) >= 0 are allowed.
+Manocha, "Reciprocal n-body collision avoidance" (ISRR 2009, published 2011), sec. 5. A row of `planes` (m, 4) is a
+point and a unit direction (px, py, dx, dy); velocities with dx (y - py) - dy (x - px) >= 0 are allowed.
 """
 
 from math import sqrt
@@ -23,7 +23,7 @@ def short_of(planes, n, x, y):
 
 @kernel
 def along_line(planes, n, speed_mps, x, y, far):
-    """On the edge of half-plane n, within those before it and the speed: the point nearest to (x, y), or farthest along it.
+    """On the edge of half-plane n, within those before it and the speed: the point nearest to (x, y), or farthest.
 
     Returns
     -------
@@ -86,7 +86,8 @@ def within(planes, count, speed_mps, x, y, far):
 def nearest(planes, count, speed_mps, x, y, room):
     """The velocity nearest to (x, y) within the first `count` half-planes and the speed.
 
-    Where they exclude each other, the velocity that is least far outside the worst of them. `room` (count, 4) is scratch.
+    Where they exclude each other, the velocity that is least far outside the worst of them. `room` (count, 4) is
+    scratch.
 
     Returns
     -------

@@ -11,6 +11,9 @@ from rss_gym.jit import kernel
 
 # BlueSky takes 10 m of a zone of 5 nautical miles for a head-on, where the offset has no direction.
 HEAD_ON_SHARE = 10.0 / 9260.0
+LEAST_ETA = (
+    0.1  # to the other side than the offset's the turn may be a right angle or more, which no finite change makes
+)
 
 
 @kernel
@@ -49,6 +52,7 @@ def velocity_change(x, y, vx, vy, radius_m, lookahead_s, side):
     wanted = radius_m
     if distance > radius_m:
         sine_r, sine_c = radius_m / distance, miss / distance
-        wanted = radius_m / (sqrt((1.0 - sine_r * sine_r) * (1.0 - sine_c * sine_c)) + sine_r * sine_c)
+        eta = sqrt((1.0 - sine_r * sine_r) * (1.0 - sine_c * sine_c)) + sine_r * sine_c
+        wanted = radius_m / max(eta, LEAST_ETA)
     change = (wanted - miss) / t
     return -change * nx, -change * ny

@@ -15,22 +15,21 @@ from rss_gym.physics.motion import limit, regulate
 def cost(
     ux, uy, uz, vx, vy, vz, wx, wy, wz, tx, ty, tz,
     cruise_mps, others, count, radius_m, sigmas, drift_mps, height_m,
-    steps, step_s, speed_mps, vertical_mps, most_mps2, k1, k2, effort_s, penalty,
+    steps, step_s, speed_mps, vertical_mps, most_mps2, k1, k2, effort_s, penalty_m, least_m,
 ):  # fmt: skip
     """Cost of flying to the displacement (tx, ty, tz) and holding it, in metres of deviation.
 
     Parameters
     ----------
     ux, uy, uz, vx, vy, vz, wx, wy, wz : float
-        Own position and the commanded way point beside the predefined trajectory (m), own velocity (m/s), in the axes of
-        the leg.
+        Own position and the commanded way point beside the predefined trajectory (m), own velocity (m/s), in the axes
+        of the leg.
     tx, ty, tz : float
         The candidate (m).
     cruise_mps : float
         Speed of the predefined trajectory along the leg.
-    others : (m, 11) array
-        Position (0-2, m, in the same axes and from the same origin), velocity (3-5, m/s), position's std (6, m), time to
-        the announced way point (7, s; the velocity after it is unknown), unused (8-10).
+    others : (m, 7) array
+        Position (0-2, m, in the same axes and from the same origin), velocity (3-5, m/s), the position's std (6, m).
     count, radius_m, sigmas, drift_mps, height_m
         How many of these; the separation wanted is radius_m + sigmas times the std, which grows by drift_mps; others
         farther away in height than height_m are no matter.
@@ -38,8 +37,10 @@ def cost(
         Horizon, and the autopilot: limits and gains.
     effort_s : float
         kappa / q.
-    penalty : float
+    penalty_m : float
         Metres of deviation that a whole radius of missing separation costs.
+    least_m : float
+        Cost of the best candidate so far: a flight that has come to as much is not flown on.
     """
     total, lack = 0.0, 0.0
     for n in range(1, steps + 1):
@@ -64,5 +65,9 @@ def cost(
             if abs(z) >= height_m:
                 continue
             wanted = radius_m + sigmas * (o[6] + drift_mps * ahead_s)
-            lack = max(lack, 1.0 - sqrt(x * x + y * y) / wanted)
-    return total / steps + penalty * lack
+            square = x * x + y * y
+            if square < wanted * wanted:
+                lack = max(lack, 1.0 - sqrt(square) / wanted)
+        if total / steps + penalty_m * lack >= least_m:
+            break
+    return total / steps + penalty_m * lack

@@ -119,7 +119,7 @@ def test_records_are_copied_and_linked(runs, tmp_path):
     assert all((site / link).is_file() for link in links)
     assert verify(site / "records" / "2-seed-7").verified
     files = {path.name for path in (site / "records" / "1-official").rglob("*") if path.is_file()}
-    assert files == {"scores.json", "00-none.npz", "01-orthogonal.npz", "02-orthogonal@oracle.npz"}
+    assert files == {"scores.json", "00-none.npz", "01-orthogonal.npz", "02-orthogonal-oracle.npz"}
 
 
 def test_a_strangers_page_is_not_copied(runs, tmp_path):
