@@ -49,8 +49,8 @@ class Mvp(VelocityRule):
 
     The sign of a small offset changes with every message, and a velocity chosen anew each time then goes to neither
     side: of 4,000 encounters of `gps-denied-v0` (`validation`, seed 1, 20 m) 47 end in a collision with the side kept
-    and 88 without, 15 and 56 of them not with the other. ORCA (23, 22; 3, 2) and the barrier filter (27, 29; 8, 10), which
-    start from the velocity flown, need no such memory.
+    and 88 without, 15 and 56 of them not with the other. ORCA (23, 22; 3, 2) and the barrier filter (27, 29; 8, 10),
+    which start from the velocity flown, need no such memory.
 
     Parameters
     ----------
