@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 
 # Per axis, of an aircraft localised by radio between the nodes; on the way there it grows as the ranges' own.
 LOCALISED_STD_M = 7.5
-HOLD_S = 2.0  # a message that has ended is flown on for this long
 
 
 def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
@@ -20,6 +19,15 @@ def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
     return np.stack([first, seen[f"{stem}_right_{unit}"], up], axis=-1)
 
 
+def check_radius(radius_m: float, world: Params) -> None:
+    """Refuse a radius beyond the world's zone."""
+    zone_m = world.zone.radius_m
+    if radius_m > zone_m:
+        raise ParamsError(
+            f"radius_m = {radius_m:g} must be at most the zone radius {zone_m:g}: no message arrives beyond it"
+        )
+
+
 @dataclass(frozen=True)
 class Others:
     """Rows of intruders as far as they are known, in the axes of the leg.
@@ -27,7 +35,7 @@ class Others:
     Parameters
     ----------
     known : (n, K) bool array
-        Whether there is a message to go by.
+        Whether messages are arriving.
     position_m : (n, K, 3) array
         Relative to the own solution, now.
     velocity_mps : (n, K, 3) array
@@ -50,7 +58,10 @@ def floor_std_m(world: Params) -> float:
 
 
 def locate(seen: dict[str, np.ndarray], world: Params) -> Others:
-    """The others from the messages held and the filters' ranges.
+    """The others from the messages held and the filters' ranges, while the warning is open.
+
+    A message that has ended is not flown on: holding it for 2 s changed no collision of `orca`, `mvp` and `cbf` (4,000
+    encounters of split `validation`, seed 0), as a warning closes well beyond any radius flown.
 
     No message carries its uncertainty. The std of the sender's position grows with its distance from the nodes, as that
     of the range does with the range, so it is taken as the root of the sum of squares of the floor and the range's std.
@@ -59,6 +70,6 @@ def locate(seen: dict[str, np.ndarray], world: Params) -> Others:
     """
     velocity = vectors(seen, "message_velocity", "mps")
     position = vectors(seen, "message_position", "m") + velocity * seen["message_age_s"][..., None]
-    known = (seen["message_valid"] > 0.5) & ((seen["warning"] > 0.5) | (seen["message_age_s"] <= HOLD_S))
+    known = (seen["message_valid"] > 0.5) & (seen["warning"] > 0.5)
     std = np.hypot(floor_std_m(world), seen["range_std_m"])
     return Others(known, position, velocity, std)

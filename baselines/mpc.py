@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.avoidance.predictive import cost
-from rss_gym.baselines.located import locate, vectors
+from rss_gym.baselines.located import check_radius, locate, vectors
 from rss_gym.baselines.policy import Scripted
 from rss_gym.baselines.velocity_rule import HEIGHT_M
 from rss_gym.jit import kernel
@@ -85,8 +85,8 @@ class Mpc(Scripted):
         Deviation that a whole radius of missing separation is worth.
     """
 
-    radius_m: float = number(20.0, 1.0, 1000.0)
-    lookahead_s: float = number(15.0, 0.5, 120.0)
+    radius_m: float = number(30.0, 1.0, 1000.0)
+    lookahead_s: float = number(10.0, 0.5, 120.0)
     sigmas: float = number(1.0, 0.0, 10.0)
     reach_m: float = number(60.0, 1.0, 1000.0)
     drift_mps: float = number(0.2, 0.0, 10.0)
@@ -94,6 +94,11 @@ class Mpc(Scripted):
     penalty_m: float = number(500.0, 0.0, 1e6)
 
     tracks = ("oracle", "paper")
+
+    def __post_init__(self) -> None:
+        """Check the radius against the world's zone."""
+        super().__post_init__()
+        check_radius(self.radius_m, self.world)
 
     def interface(self) -> dict[str, Any]:
         """Way points, as far as the candidates reach."""

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from rss_gym.avoidance.orthogonal import displacement
-from rss_gym.baselines.located import vectors
+from rss_gym.baselines.located import check_radius, vectors
 from rss_gym.baselines.policy import Scripted
 from rss_gym.jit import kernel
-from rss_gym.params import ParamsError, number
+from rss_gym.params import number
 
 STILL_MPS = 0.5  # an intruder slower than this counts as hovering
 # Columns of the memory: the intruder obeyed + 1, whether it was moving, the side kept in the axes of its flight.
@@ -91,11 +91,7 @@ class Orthogonal(Scripted):
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
         super().__post_init__()
-        zone_m = self.world.zone.radius_m
-        if self.radius_m > zone_m:
-            raise ParamsError(
-                f"radius_m = {self.radius_m:g} must be at most the zone radius {zone_m:g}: no message arrives beyond it"
-            )
+        check_radius(self.radius_m, self.world)
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """The rule's displacement over the reach."""

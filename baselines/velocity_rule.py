@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.baselines.located import Others, locate, vectors
+from rss_gym.baselines.located import Others, check_radius, locate, vectors
 from rss_gym.baselines.policy import Scripted
 from rss_gym.params import number
 
@@ -19,8 +19,10 @@ HOMING_PS = 0.1  # slower than the autopilot, so that a velocity on the way back
 class VelocityRule(Scripted):
     """A rule that changes the velocity of path following where it would lead to a conflict.
 
-    The commanded velocity is that of the way point, which the autopilot follows with a lag of about a second; it is
-    integrated by the world, so that the aircraft flies the velocity commanded without an error that grows.
+    The commanded velocity is that of the way point, which the world integrates and the autopilot follows with a lag of
+    about a second: over flights without gusts the aircraft's velocity is 0.5-0.8 m/s from the commanded one, on average,
+    where that is 1.6-1.8 m/s from the planned one, and the error of position does not grow. A displacement would make
+    the way point dash at its greatest speed and then wait, within every decision.
 
     Parameters
     ----------
@@ -37,6 +39,11 @@ class VelocityRule(Scripted):
     sigmas: float = number(1.0, 0.0, 10.0)
 
     tracks = ("oracle", "paper")
+
+    def __post_init__(self) -> None:
+        """Check the radius against the world's zone."""
+        super().__post_init__()
+        check_radius(self.radius_m, self.world)
 
     def interface(self) -> dict[str, Any]:
         """Commands velocities."""

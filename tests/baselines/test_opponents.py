@@ -192,6 +192,8 @@ def test_a_track_is_part_of_the_name():
         ("cbf+modified-orthogonal", ["track 'range'"]),
         ("cbf+nonsense", ["'nonsense'", "unknown"]),
         ("cbf:base=1", ["no option 'base'"]),
+        ("orca:radius_m=121", ["121", "zone radius 120"]),
+        ("mpc:radius_m=121", ["121", "zone radius 120"]),
         ("mpc:lookahead_s=0", ["lookahead_s", "0.0"]),
     ],
 )
