@@ -20,9 +20,9 @@ class VelocityRule(Scripted):
     """A rule that changes the velocity of path following where it would lead to a conflict.
 
     The commanded velocity is that of the way point, which the world integrates and the autopilot follows with a lag of
-    about a second: over flights without gusts the aircraft's velocity is 0.5-0.8 m/s from the commanded one, on average,
-    where that is 1.6-1.8 m/s from the planned one, and the error of position does not grow. A displacement would make
-    the way point dash at its greatest speed and then wait, within every decision.
+    about a second: without gusts the aircraft's velocity is 0.5-0.8 m/s from the commanded one, on average, where that
+    is 1.6-1.8 m/s from the planned one (12 encounters a rule). A displacement has the way point dash at its greatest
+    speed and then wait, within every decision.
 
     Parameters
     ----------
