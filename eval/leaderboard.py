@@ -21,11 +21,12 @@ from rss_gym import baselines
 from rss_gym.eval import ranking
 from rss_gym.eval.metrics import METRICS, Estimate
 from rss_gym.eval.reading import Policy, Record, RecordError, load
-from rss_gym.eval.records import SCORES, TABLES, new_folder
-from rss_gym.eval.report.page import Section, render, text
+from rss_gym.eval.records import SCORES, TABLES
 from rss_gym.eval.report.tables import cell, heading, scrolled
 from rss_gym.eval.suites import SUITES
 from rss_gym.eval.verify import definition, entries_of, metrics_differences, official
+from rss_gym.files import new_folder
+from rss_gym.pages.page import Section, render, text
 from rss_gym.params import Track
 
 PAGE, RECORDS = "index.html", "records"

@@ -9,10 +9,7 @@ import json
 import os
 import platform
 import re
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -20,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.eval.evaluate import Result, Scored
-from rss_gym.params import ParamsError
+from rss_gym.files import new_folder
 
 SCORES, TABLES = "scores.json", "tables"
 SCHEMA = 1  # raised when fields of scores.json or columns of the tables change
@@ -35,54 +32,6 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             found[name] = "unknown"
     return found
-
-
-@contextmanager
-def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary folder beside `out` that becomes `out` when the block ends without an error.
-
-    Raises
-    ------
-    ParamsError
-        If `out` exists and is not an empty folder, or cannot be written.
-    """
-    target = check_new(out)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=f".{target.name[:80]}-", dir=target.parent))
-        try:
-            yield temporary
-            temporary.chmod(0o755)
-            if target.is_dir():
-                target.rmdir()
-            temporary.rename(target)
-        finally:
-            shutil.rmtree(temporary, ignore_errors=True)
-    except OSError as error:
-        raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
-
-
-def check_new(out: str | os.PathLike[str]) -> Path:
-    """The absolute path of a folder that can be made; called before a long run, not after it. Nothing is made.
-
-    Raises
-    ------
-    ParamsError
-        As `new_folder`.
-    """
-    if "\0" in os.fspath(out):
-        raise ParamsError(f"output folder {str(out)!r} cannot be written: no name holds a null")
-    target = Path(out).absolute()
-    try:
-        if target.is_dir() and any(target.iterdir()):
-            raise ParamsError(f"output folder {str(out)!r} exists and is not empty; name a new one")
-        if target.exists() and not target.is_dir():
-            raise ParamsError(f"output folder {str(out)!r} is a file; name a new folder")
-        with tempfile.TemporaryFile(dir=next(folder for folder in target.parents if folder.exists())):
-            pass
-    except OSError as error:
-        raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
-    return target
 
 
 def save(

@@ -86,6 +86,24 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
     command.set_defaults(run=_leaderboard)
 
+    command = commands.add_parser("calibrate", help="a channel from radio logs, with range errors on a test")
+    command.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
+    command.add_argument(
+        "--test", nargs="+", default=[], metavar="TEST", help="logs to test on; default: the last third of each record"
+    )
+    command.add_argument("--format", default="csv", help="csv or mavlink")
+    command.add_argument("--columns", default="", metavar="t=..,rss=..,dist=..", help="names of a table's columns")
+    command.add_argument("--out", required=True, metavar="FILE", help="channel to write, such as channel.toml")
+    command.add_argument("--report", metavar="DIR", help="new folder for the page and calibration.json")
+    command.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
+    command.set_defaults(run=_calibrate)
+
+    command = commands.add_parser("paper", help="every figure and number of the paper, beside what comes out")
+    command.add_argument("--out", required=True, metavar="DIR", help="new folder for paper.json and index.html")
+    command.add_argument("--seed", type=int, default=0)
+    command.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
+    command.set_defaults(run=_paper)
+
     command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
@@ -110,8 +128,9 @@ def _list(options: argparse.Namespace) -> None:
 
 def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import evaluate, records, report, text
+    from rss_gym.files import check_new
 
-    records.check_new(options.out)
+    check_new(options.out)
     _see_modules_here()
     names = ("channel", "track", "estimator", "families")
     changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
@@ -154,6 +173,56 @@ def _leaderboard(options: argparse.Namespace) -> None:
     print(f"leaderboard: {site.page}")
 
 
+def _calibrate(options: argparse.Namespace) -> None:
+    from rss_gym.calibration import output
+    from rss_gym.calibration.calibrate import calibrate
+    from rss_gym.calibration.logs import read
+    from rss_gym.params import ParamsError
+
+    output.check_outputs(options.out, options.report)
+    columns = _columns(options.columns)
+    fitted = {os.path.realpath(name) for name in options.fit}
+    twice = next((name for name in options.test if os.path.realpath(name) in fitted), None)
+    if twice is not None:
+        raise ParamsError(f"log {twice!r} is to be fitted and tested; a test needs a log of its own")
+    fit = read(options.fit, options.format, columns)
+    test = read(options.test, options.format, columns) if options.test else None
+    result = calibrate(fit, test or (), (*fit.notes, *(test.notes if test else ())))
+    output.save(result, options.out, options.report)
+    if options.json:
+        print(json.dumps(output.to_dict(result), indent=1, allow_nan=False))
+        return
+    print(output.table(result))
+    print(f"channel: {options.out}")
+    if options.report is not None:
+        print(f"report: {os.path.join(options.report, output.PAGE)}")
+
+
+def _columns(text: str) -> dict[str, str]:
+    """`t=time,rss=power` as a dict."""
+    from rss_gym.params import ParamsError
+
+    columns: dict[str, str] = {}
+    for item in filter(None, text.split(",")):
+        key, equals, name = (part.strip() for part in item.partition("="))
+        if not (key and equals and name) or key in columns:
+            raise ParamsError(f"columns must be KEY=NAME pairs of different keys with commas between, got {item!r}")
+        columns[key] = name
+    return columns
+
+
+def _paper(options: argparse.Namespace) -> None:
+    from rss_gym.eval import paper
+    from rss_gym.files import check_new
+
+    check_new(options.out)
+    reproduction = paper.reproduce(paper.QUICK if options.quick else None, options.seed)
+    folder = paper.write(reproduction, options.out)
+    print(reproduction.summary)
+    print(f"numbers: {folder / paper.NUMBERS}")
+    print(f"page: {folder / paper.PAGE}")
+
+
 def _see_modules_here() -> None:
     """Let `module:attribute` name a module of the working folder; an installed command does not look there."""
     here = os.getcwd()
@@ -163,9 +232,10 @@ def _see_modules_here() -> None:
 
 def _demo(options: argparse.Namespace) -> None:
     from rss_gym.eval import evaluate, records, report, text
+    from rss_gym.files import check_new
 
     out = options.out or _unused("runs/demo")
-    records.check_new(out)
+    check_new(out)
     print(
         f"Flying {len(DEMO_POLICIES)} policies over the same {options.episodes} encounters on {options.workers} "
         "processes.",

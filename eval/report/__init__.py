@@ -6,13 +6,15 @@ import os
 from pathlib import Path
 
 from rss_gym.eval.evaluate import Result
-from rss_gym.eval.report import charts, facts, families, page, replay, sensor, tables
-from rss_gym.eval.report.page import Section
+from rss_gym.eval.report import charts, facts, families, replay, sensor, tables
+from rss_gym.files import write_text
+from rss_gym.pages import page
+from rss_gym.pages.page import SORTING, Section
 
 __all__ = ["REPORT", "markup", "write"]
 
 REPORT = "report.html"
-SCRIPTS = ("tables.js", "replay.js")
+SCRIPTS = (SORTING, Path(__file__).with_name("replay.js"))
 
 
 def markup(result: Result) -> str:
@@ -45,4 +47,4 @@ def write(result: Result, folder: str | os.PathLike[str]) -> Path:
     Path
         Of the file.
     """
-    return page.save(markup(result), Path(folder) / REPORT)
+    return write_text(Path(folder) / REPORT, markup(result))

@@ -13,9 +13,9 @@ from rss_gym.eval.report import labels, series
 from rss_gym.eval.report.curves import Curve
 from rss_gym.eval.report.labels import Box, Label, Placed
 from rss_gym.eval.report.numbers import full
-from rss_gym.eval.report.page import text
 from rss_gym.eval.report.series import Series
 from rss_gym.eval.report.svg import Decades, Linear, element, line, picture, words
+from rss_gym.pages.page import text
 
 ACROSS, UP = "path_deviation_mean_m", "collision_rate"
 UNITS = {"_mps": "m/s", "_m": "m", "_s": "s"}

@@ -6,8 +6,8 @@ import json
 
 from rss_gym.eval import records
 from rss_gym.eval.evaluate import Result
-from rss_gym.eval.report.page import text
 from rss_gym.eval.report.tables import scrolled
+from rss_gym.pages.page import text
 
 
 def lead(result: Result) -> str:

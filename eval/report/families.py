@@ -10,8 +10,8 @@ from rss_gym.eval.evaluate import Result
 from rss_gym.eval.intervals import Interval, clopper_pearson
 from rss_gym.eval.report import series
 from rss_gym.eval.report.numbers import number
-from rss_gym.eval.report.page import text
 from rss_gym.eval.report.tables import policy_heading, scrolled
+from rss_gym.pages.page import text
 
 FAINTEST = -4.0  # power of ten that gets no shade
 

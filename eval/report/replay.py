@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from string import Template
 from typing import Any
 
@@ -12,7 +13,7 @@ from rss_gym.core import Batch
 from rss_gym.eval.episodes import Block, PolicyError, fly
 from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.report import series
-from rss_gym.eval.report.page import FOLDER, text
+from rss_gym.pages.page import text
 
 POLICIES, ENCOUNTERS = 12, 3  # that fit into the page
 RULE = "orthogonal"
@@ -168,5 +169,5 @@ def markup(result: Result, data: dict[str, Any]) -> str:
     notes = [f"Not flown again: {sentence}." for sentence in data["failed"]]
     if data["left_out"]:
         notes.insert(0, f"Without replays, to keep the page small: {', '.join(data['left_out'])}.")
-    template = Template((FOLDER / "player.html").read_text(encoding="utf-8"))
+    template = Template(Path(__file__).with_name("player.html").read_text(encoding="utf-8"))
     return template.substitute(beside=words, notes="".join(f'<p class="note">{text(note)}</p>\n' for note in notes))

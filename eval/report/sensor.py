@@ -8,9 +8,9 @@ from rss_gym.eval.evaluate import NOMINAL, Result
 from rss_gym.eval.metrics import METRICS, Estimate
 from rss_gym.eval.report.charts import ARROW_PX, SIZES, Size, height
 from rss_gym.eval.report.numbers import full, number
-from rss_gym.eval.report.page import text
 from rss_gym.eval.report.svg import Decades, element, line, picture, words
 from rss_gym.eval.report.tables import cell, scrolled, title
+from rss_gym.pages.page import text
 
 BOUND, FLOWN = "missed_detection_bound", "missed_detection_encounter_rate"
 ROW_PX, TYPE_PX = 46.0, 7.0

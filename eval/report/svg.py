@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from rss_gym.eval.report.numbers import power_of_ten
-from rss_gym.eval.report.page import text
+from rss_gym.pages.page import text
 
 
 def coordinate(value: float) -> str:

@@ -8,7 +8,7 @@ from rss_gym.eval.evaluate import NOMINAL, Result
 from rss_gym.eval.metrics import METRICS, Estimate
 from rss_gym.eval.report import series
 from rss_gym.eval.report.numbers import interval, number
-from rss_gym.eval.report.page import text
+from rss_gym.pages.page import text
 
 MAIN = ("collision_rate", "snmac_rate", "risk_ratio", "path_deviation_mean_m", "unnecessary_manoeuvre_rate")
 # Title -> beginnings of the names; what begins with none of them is listed last.

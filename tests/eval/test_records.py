@@ -11,6 +11,7 @@ from rss_gym.eval import evaluate, records
 from rss_gym.eval.metrics import METRICS
 from rss_gym.eval.reading import load
 from rss_gym.eval.table import TABLE
+from rss_gym.files import check_new
 from rss_gym.params import Params, ParamsError
 
 HTML = "<script>alert('&\"')</script>/../.."
@@ -115,7 +116,7 @@ def test_an_empty_folder_may_be_filled_and_a_full_one_not(result, tmp_path):
 
 
 def test_parents_are_made_only_with_their_content(result, tmp_path):
-    assert records.check_new(tmp_path / "a" / "b" / "run") == tmp_path / "a" / "b" / "run"
+    assert check_new(tmp_path / "a" / "b" / "run") == tmp_path / "a" / "b" / "run"
     assert list(tmp_path.iterdir()) == []
     assert (records.save(result, tmp_path / "a" / "b" / "run") / "scores.json").exists()
 

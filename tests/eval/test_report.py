@@ -16,8 +16,10 @@ import rss_gym  # noqa: F401
 from rss_gym.eval import evaluate, report
 from rss_gym.eval.intervals import clopper_pearson
 from rss_gym.eval.metrics import METRICS, Estimate
-from rss_gym.eval.report import charts, curves, labels, page, replay, tables
+from rss_gym.eval.report import charts, curves, labels, replay, tables
 from rss_gym.eval.report.numbers import interval, number
+from rss_gym.pages import page
+from rss_gym.params import ParamsError
 
 VOID = {"meta", "input", "wbr", "br", "hr", "img", "link"}
 RULES = [f"orthogonal:radius_m={radius}" for radius in (20, 40)]
@@ -138,8 +140,8 @@ def test_written_in_one_piece(result, markup, tmp_path, monkeypatch):
     assert path.read_text(encoding="utf-8") == markup  # the same result, the same bytes
     assert path.stat().st_size < 5_000_000
     path.write_text("older")
-    monkeypatch.setattr(page.os, "replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
-    with pytest.raises(OSError, match="disk full"):
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    with pytest.raises(ParamsError, match="disk full"):
         report.write(result, tmp_path)
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
     assert path.read_text() == "older"

@@ -9,9 +9,7 @@ import base64
 import hashlib
 import html
 import json
-import os
 import re
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +17,7 @@ from string import Template
 from typing import Any
 
 FOLDER = Path(__file__).parent
+SORTING = FOLDER / "tables.js"
 # In a script element these could end it, open a comment, or (the last two) break a line of an old parser's string.
 _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&\u2028\u2029"}
 
@@ -57,7 +56,7 @@ def embedded(value: Any) -> str:
     return json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":")).translate(_UNSAFE)
 
 
-def render(title: str, lead: str, sections: Sequence[Section], scripts: Sequence[str] = ("tables.js",)) -> str:
+def render(title: str, lead: str, sections: Sequence[Section], scripts: Sequence[Path] = (SORTING,)) -> str:
     """The page.
 
     Parameters
@@ -67,10 +66,10 @@ def render(title: str, lead: str, sections: Sequence[Section], scripts: Sequence
     lead : str
         Markup under the title.
     sections : sequence of Section
-    scripts : sequence of str
-        Files of this folder, run after the page has been read.
+    scripts : sequence of Path
+        Run after the page has been read.
     """
-    code = "".join((FOLDER / name).read_text(encoding="utf-8") for name in scripts)
+    code = "".join(script.read_text(encoding="utf-8") for script in scripts)
     digest = base64.b64encode(hashlib.sha256(code.encode()).digest()).decode()
     template = Template((FOLDER / "template.html").read_text(encoding="utf-8"))
     return template.substitute(
@@ -90,17 +89,3 @@ def _markup(section: Section) -> str:
     if section.data is not None:
         data = f'<script type="application/json" id="data-{section.anchor}">{embedded(section.data)}</script>\n'
     return f'<section id="{section.anchor}">\n<h2>{text(section.title)}</h2>\n{section.markup}\n{data}</section>\n'
-
-
-def save(markup: str, path: Path) -> Path:
-    """Write the page under a temporary name and rename it, so that no half-written page is ever seen."""
-    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", errors="replace", newline="\n") as file:
-            file.write(markup)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-    return path

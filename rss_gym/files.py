@@ -1,0 +1,84 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rss_gym.params import ParamsError
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> Path:
+    """Write a text file under a temporary name and rename it, so that no half-written file is ever seen.
+
+    Raises
+    ------
+    ParamsError
+        If it cannot be written.
+    """
+    target = Path(path)
+    try:
+        handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:80]}-", dir=target.parent)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", errors="replace", newline="\n") as file:
+                file.write(text)
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, target)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except (OSError, ValueError) as error:  # ValueError: a null in the name
+        raise ParamsError(f"file {str(path)!r} cannot be written: {error}") from error
+    return target
+
+
+@contextmanager
+def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
+    """A temporary folder beside `out` that becomes `out` when the block ends without an error.
+
+    Raises
+    ------
+    ParamsError
+        If `out` exists and is not an empty folder, or cannot be written.
+    """
+    target = check_new(out)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=f".{target.name[:80]}-", dir=target.parent))
+        try:
+            yield temporary
+            temporary.chmod(0o755)
+            if target.is_dir():
+                target.rmdir()
+            temporary.rename(target)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+    except OSError as error:
+        raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
+
+
+def check_new(out: str | os.PathLike[str]) -> Path:
+    """The absolute path of a folder that can be made; called before a long run, not after it. Nothing is made.
+
+    Raises
+    ------
+    ParamsError
+        As `new_folder`.
+    """
+    if "\0" in os.fspath(out):
+        raise ParamsError(f"output folder {str(out)!r} cannot be written: no name holds a null")
+    target = Path(out).absolute()
+    try:
+        if target.is_dir() and any(target.iterdir()):
+            raise ParamsError(f"output folder {str(out)!r} exists and is not empty; name a new one")
+        if target.exists() and not target.is_dir():
+            raise ParamsError(f"output folder {str(out)!r} is a file; name a new folder")
+        with tempfile.TemporaryFile(dir=next(folder for folder in target.parents if folder.exists())):
+            pass
+    except OSError as error:
+        raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
+    return target
