@@ -1,4 +1,8 @@
-"""Rules that need a position, flown on track `range`: a bank of bearings stands in for the positions not exchanged."""
+"""Rules that need a position, flown on track `range`: banks of bearings stand in for the positions not exchanged.
+
+A bank opens with the first message of a warning and lives until the episode ends. It holds both mirror images of the
+other; what the agent flies tells them apart, as its turns and displacements change the relative velocity.
+"""
 
 from __future__ import annotations
 
@@ -11,152 +15,186 @@ import numpy as np
 from rss_gym.baselines.orthogonal import Orthogonal, vectors
 from rss_gym.baselines.policy import Scripted
 from rss_gym.jit import kernel
+from rss_gym.observation import AGE_S, LIMIT
 from rss_gym.params import Params, ParamsError, number
 from rss_gym.physics.noise import decay
 from rss_gym.ranging import bank as banks
-from rss_gym.ranging.bearing import held_dbm, held_variance_db2
 
 HYPOTHESES = 36
-# Of a row: the heading of the leg in the axes of the first one, and the turn to come.
+FLOOR_M = 1.0  # nearer, the slope of the path loss would say more about the bearing than the motion can
+CLOSING_STD_MPS = 0.5  # the message may already tell the first half second of braking
+DRIFT_S = 40.0  # a velocity's error persists: over this time it drifts as far as the random walk that stands for it
+UNHEARD_MPS = 1.0  # error of a velocity that is no longer told
+# Columns of a row: heading of the leg in the axes of the first leg, and the turn to come.
 HEADING_X, HEADING_Y, TURN_S, TURN_COS, TURN_SIN, ROW = range(6)
-# Of an intruder, before its bank: open, relative velocity at the last decision, the other's velocity before its hover.
-OPEN, VX, VY, BEFORE_X, BEFORE_Y, HOVER_S, CONTACT = range(7)
+# Columns of an intruder, before those of its bank: open, and the relative velocity at the last decision.
+OPEN, VX, VY, CONTACT = range(4)
+WIDTH = CONTACT + HYPOTHESES * banks.COLUMNS
+# Of a side: its probability, the position along and to the right, and the covariance of that.
+PROBABILITY, ALONG, RIGHT, ALONG_ALONG, ALONG_RIGHT, RIGHT_RIGHT = range(6)
 
 
 @kernel
-def _track(turn, own_mps, heard, valid, range_m, std_m, coloured_db, told_mps, age_s, channel, models, world, memory, out):
-    """Advance every bank by a decision; `out` (n, K, 3, 6) are the sums by side: all, left, right, in the leg's axes."""
-    decision_s, hover_s, unheard_m2 = world
+def _locate(
+    turn, own_mps, heard, valid, range_m, std_m, coloured_db, told_mps, model_of, models, decision_s, memory, out
+):
+    """Advance every bank by a decision and sum it up: `out` (n, K, 2, 6), to the left and right of relative motion."""
     for row in range(len(memory)):
         m = memory[row]
         if m[HEADING_X] == 0.0 and m[HEADING_Y] == 0.0:
             m[HEADING_X] = 1.0
-        elif turn[row, 0] > m[TURN_S]:  # the time to the turn grows only where it has been made
+        elif turn[row, 0] > m[TURN_S]:  # the time to the next turn grows only when one has been made
             x, y = m[HEADING_X], m[HEADING_Y]
             m[HEADING_X], m[HEADING_Y] = x * m[TURN_COS] - y * m[TURN_SIN], x * m[TURN_SIN] + y * m[TURN_COS]
         m[TURN_S], m[TURN_COS], m[TURN_SIN] = turn[row, 0], turn[row, 1], turn[row, 2]
         hx, hy = m[HEADING_X], m[HEADING_Y]
-        width = CONTACT + HYPOTHESES * banks.COLUMNS
         for k in range(range_m.shape[1]):
-            c = m[ROW + k * width : ROW + (k + 1) * width]
+            c = m[ROW + k * WIDTH : ROW + (k + 1) * WIDTH]
             if not valid[row, k]:
                 c[:] = 0.0
                 continue
-            model = models[channel[row, k]]
-            bank = c[CONTACT:].reshape(-1, banks.COLUMNS)
-            ox, oy = told_mps[row, k, 0], told_mps[row, k, 1]
-            ox, oy = hx * ox - hy * oy, hy * ox + hx * oy
-            ux, uy = own_mps[row, 0], own_mps[row, 1]
-            ux, uy = hx * ux - hy * uy, hy * ux + hx * uy
+            model, bank = models[model_of[row, k]], c[CONTACT:].reshape(-1, banks.COLUMNS)
+            along, right = told_mps[row, k, 0] - own_mps[row, 0], told_mps[row, k, 1] - own_mps[row, 1]
+            vx, vy = hx * along - hy * right, hy * along + hx * right
             if c[OPEN] == 0.0:
-                c[OPEN], c[BEFORE_X], c[BEFORE_Y] = 1.0, ox, oy
-                banks.start(bank, range_m[row, k], std_m[row, k], coloured_db[row, k], ox - ux, oy - uy, model)
+                c[OPEN] = 1.0
+                banks.start(bank, range_m[row, k], std_m[row, k], coloured_db[row, k], vx, vy, model)
             else:
-                c[HOVER_S] += decision_s
-                dx, dy = 0.5 * decision_s * (c[VX] + ox - ux), 0.5 * decision_s * (c[VY] + oy - uy)
-                spread = model.spread_m2 + (0.0 if heard[row, k] else unheard_m2)
-                banks.advance(bank, dx, dy, spread, range_m[row, k], coloured_db[row, k], model)
-            c[VX], c[VY] = ox - ux, oy - uy
-            # While the other hovers, sides are those of the motion it will resume.
-            vx, vy = c[VX], c[VY]
-            if c[HOVER_S] < hover_s:
-                vx, vy = c[BEFORE_X] - ux, c[BEFORE_Y] - uy
-            for n in range(3):
-                w, x, y, xx, xy, yy = banks.side(bank, vx, vy, (0.0, -1.0, 1.0)[n])
+                dx, dy = 0.5 * decision_s * (c[VX] + vx), 0.5 * decision_s * (c[VY] + vy)
+                spread_m2 = model.spread_m2 if heard[row, k] else model.spread_unheard_m2
+                banks.advance(bank, dx, dy, spread_m2, range_m[row, k], coloured_db[row, k], model)
+            c[VX], c[VY] = vx, vy
+            for n in range(2):
+                w, x, y, xx, xy, yy = banks.side(bank, vx, vy, 2.0 * n - 1.0)
                 o = out[row, k, n]
-                o[0], o[1], o[2] = w, hx * x + hy * y, hx * y - hy * x
-                o[3] = hx * hx * xx + 2.0 * hx * hy * xy + hy * hy * yy
-                o[4] = (hx * hx - hy * hy) * xy + hx * hy * (yy - xx)
-                o[5] = hx * hx * yy - 2.0 * hx * hy * xy + hy * hy * xx
+                o[PROBABILITY], o[ALONG], o[RIGHT] = w, hx * x + hy * y, hx * y - hy * x
+                o[ALONG_ALONG] = hx * hx * xx + 2.0 * hx * hy * xy + hy * hy * yy
+                o[ALONG_RIGHT] = (hx * hx - hy * hy) * xy + hx * hy * (yy - xx)
+                o[RIGHT_RIGHT] = hx * hx * yy - 2.0 * hx * hy * xy + hy * hy * xx
+            total = out[row, k, 0, PROBABILITY] + out[row, k, 1, PROBABILITY]
+            out[row, k, 0, PROBABILITY] /= total
+            out[row, k, 1, PROBABILITY] /= total
 
 
 @dataclass(frozen=True, kw_only=True)
 class Located(Scripted):
-    """A rule that reads positions, flown on track `range`."""
+    """A rule that reads exchanged positions, flown on track `range` on where the other most probably is.
+
+    Parameters
+    ----------
+    rule : Scripted
+        Declares track `paper`. It is handed, as `message_position`, the mean of the more probable side of the bank, in
+        the plane, with `message_position_std_m` (root of the trace of its covariance), and as `message_way_point` where
+        the other would be after the longest age of a message if it flew on.
+    miss_std_m : float
+        Prior of the distance at which the other passes if nobody acts; 42 m on 4,000 training encounters, all families.
+    rest_inflation : float
+        Factor on the variance of what the link's filter holds beside the coloured noise. At 3 the 90 % credible set of
+        the bearing holds the true one in 90-95 % of decisions at every time after the warning; at 1 in 85-90 %.
+
+    Raises
+    ------
+    ParamsError
+        If the rule does not fly on track `paper`.
+    """
 
     rule: Scripted = field(default_factory=Orthogonal)
-    rest_inflation: float = number(1.5, 0.1, 100.0)
-    horizon_s: float = number(40.0, 0.0, 1000.0)
-    closing_std_mps: float = number(0.5, 1e-3, 100.0)
-    unheard_mps: float = number(1.0, 0.0, 10.0)
-    mode: float = number(0.0, 0.0, 3.0)
-    future: float = number(0.0, 0.0, 3.0)
+    miss_std_m: float = number(42.0, 1.0, 1e6)
+    rest_inflation: float = number(3.0, 0.1, 100.0)
 
     def interface(self) -> dict[str, Any]:
+        """As the rule, on track `range`."""
         return self.rule.interface() | {"track": "range"}
 
     def __post_init__(self) -> None:
+        """The rule flies in the same world; its memory follows that of the banks."""
         super().__post_init__()
+        track = self.rule.interface().get("track", "none")
+        if track != "paper":
+            raise ParamsError(
+                f"rule {type(self.rule).__name__} is on track {track!r}; only one on 'paper' can be located"
+            )
         object.__setattr__(self, "rule", dataclasses.replace(self.rule, world=self.world))
+        object.__setattr__(self, "columns", self._first + self.rule.columns)
 
     @property
-    def columns(self) -> int:
-        return self.rule.columns + ROW + self.world.encounter.intruders * (CONTACT + HYPOTHESES * banks.COLUMNS)
+    def _first(self) -> int:
+        """Where the rule's memory begins."""
+        return ROW + self.world.encounter.intruders * WIDTH
 
     def models(self) -> np.ndarray:
-        clock, nav = self.world.clock, self.world.navigation
-        out = np.zeros(len(self.world.channels), banks.MODEL)
-        std = {"dead-reckoning": nav.dead_reckoning_mps}
-        v2 = sum(std.get(s, nav.velocity_mps) ** 2 for s in (nav.agent, nav.intruder))
-        for model, channel in zip(out, self.world.channels, strict=True):
-            a = decay(clock.tick_s, channel.coloured_tc_s)
+        """What a bank knows of each channel of the world, records `ranging.bank.MODEL`."""
+        world, clock, nav = self.world, self.world.clock, self.world.navigation
+        out = np.zeros(len(world.channels), banks.MODEL)
+        for model, channel in zip(out, world.channels, strict=True):
+            tick_decay = decay(clock.tick_s, channel.coloured_tc_s)
             model["path_loss_factor"] = channel.path_loss_factor
             model["factor_decay"] = decay(clock.decision_s, channel.path_loss_wander_tc_s)
             model["factor_variance"] = channel.path_loss_wander**2
             model["coloured_decay"] = decay(clock.decision_s, channel.coloured_tc_s)
             model["coloured_variance_db2"] = channel.coloured_variance_db2
-            model["drive_db2"] = channel.coloured_variance_db2 * (1 - a * a)
-            model["white_variance_db2"] = channel.white_variance_db2
-            model["process_noise_m2"] = self.world.ranging.process_noise_m2
-        out["rest_inflation"] = self.rest_inflation
-        out["vertical_variance_m2"] = 0.0 if self.world.encounter.planar else self.world.encounter.vertical_offset_m**2
-        out["spread_m2"] = v2 * self.horizon_s * clock.decision_s
-        out["closing_std_mps"] = self.closing_std_mps
-        out["floor_m"] = 1.0
+            model["drive_db2"] = channel.coloured_variance_db2 * (1.0 - tick_decay**2)
+            model["white_variance_db2"] = channel.white_variance_db2 + channel.quantisation_db**2 / 12.0
+        errors = {"dead-reckoning": nav.dead_reckoning_mps, "gnss": nav.velocity_mps}
+        variance = sum(errors[side] ** 2 for side in (nav.agent, nav.intruder))
+        out["process_noise_m2"], out["rest_inflation"] = world.ranging.process_noise_m2, self.rest_inflation
+        out["vertical_variance_m2"] = 0.0 if world.encounter.planar else world.encounter.vertical_offset_m**2
+        out["spread_m2"] = variance * DRIFT_S * clock.decision_s
+        out["spread_unheard_m2"] = (variance + UNHEARD_MPS**2) * DRIFT_S * clock.decision_s
+        out["closing_std_mps"], out["miss_std_m"], out["floor_m"] = CLOSING_STD_MPS, self.miss_std_m, FLOOR_M
         return out
 
-    def track(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        factors = np.array([c.path_loss_factor for c in self.world.channels])
-        channel = np.abs(seen["path_loss_factor"][..., None] - factors).argmin(axis=-1)
-        out = np.zeros((*seen["range_m"].shape, 3, 6))
+    def sides(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
+        """Advance the banks in `memory` (n, columns) by the decision `seen`.
+
+        Returns
+        -------
+        (n, K, 2, 6) array
+            Left and right of the relative velocity: probability, mean position along and to the right (m), and its
+            covariance (along-along, along-right, right-right; m^2). Zero where no message was ever received.
+        """
+        factors = np.array([channel.path_loss_factor for channel in self.world.channels])
         valid = seen["message_valid"] > 0.5
-        _track(
+        out = np.zeros((*valid.shape, 2, 6))
+        _locate(
             np.stack([seen["turn_in_s"], seen["turn_cos"], seen["turn_sin"]], axis=-1),
             vectors(seen, "velocity", "mps"),
-            (seen["warning"] > 0.5) & valid,
+            seen["warning"] > 0.5,
             valid,
             np.ascontiguousarray(seen["range_m"]),
             np.ascontiguousarray(seen["range_std_m"]),
             np.ascontiguousarray(seen["coloured_db"]),
             vectors(seen, "message_velocity", "mps"),
-            np.ascontiguousarray(seen["message_age_s"]),
-            channel,
+            np.abs(seen["path_loss_factor"][..., None] - factors).argmin(axis=-1),
             self.models(),
-            (self.world.clock.decision_s, self.world.zone.hover_s, self.unheard_mps**2 * self.horizon_s * self.world.clock.decision_s),
+            self.world.clock.decision_s,
             memory,
             out,
         )
         return out
 
+    def banks_of(self, memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Heading of the leg (n, 2) and the banks (n, K, hypotheses, columns), in the axes of the first leg."""
+        contacts = memory[:, ROW : self._first].reshape(len(memory), -1, WIDTH)
+        bank = contacts[..., CONTACT:].reshape(*contacts.shape[:2], HYPOTHESES, banks.COLUMNS)
+        return memory[:, [HEADING_X, HEADING_Y]], bank
+
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        sums = self.track(seen, memory)
-        if self.mode == 0:
-            best = sums[..., 0, :]
-        else:
-            side = 1 + (sums[..., 2, 0] > sums[..., 1, 0])
-            best = np.take_along_axis(sums, side[..., None, None], axis=2)[..., 0, :]
-        seen = dict(seen)
-        seen["message_position_along_m"], seen["message_position_right_m"] = best[..., 1].copy(), best[..., 2].copy()
-        f = self.columns - self.rule.columns
-        own = memory[:, f:].copy()
-        if self.future:
-            m = memory[:, :f]
-            hx, hy = m[:, HEADING_X, None], m[:, HEADING_Y, None]
-            c = m[:, ROW:].reshape(len(m), self.world.encounter.intruders, -1)
-            w = (c[..., OPEN] > 0) & (c[..., HOVER_S] < self.world.zone.hover_s)
-            x, y = c[..., BEFORE_X], c[..., BEFORE_Y]
-            seen["message_velocity_along_mps"] = np.where(w, hx * x + hy * y, seen["message_velocity_along_mps"])
-            seen["message_velocity_right_mps"] = np.where(w, hx * y - hy * x, seen["message_velocity_right_mps"])
-        out = self.rule.act(seen, own)
-        memory[:, f:] = own
-        return out
+        """The rule's action on the more probable side."""
+        sides = self.sides(seen, memory)
+        chosen = sides[..., PROBABILITY].argmax(axis=-1)
+        side = np.take_along_axis(sides, chosen[..., None, None], axis=-2)[..., 0, :]
+        filled = seen | {"message_position_std_m": np.sqrt(side[..., ALONG_ALONG] + side[..., RIGHT_RIGHT])}
+        for axis, position_m in (("along", side[..., ALONG]), ("right", side[..., RIGHT])):
+            filled[f"message_position_{axis}_m"] = position_m
+            filled[f"message_way_point_{axis}_m"] = position_m + LIMIT * AGE_S * seen[f"message_velocity_{axis}_mps"]
+        rule_memory = memory[:, self._first :].copy()
+        actions = self.rule.act(filled, rule_memory)
+        memory[:, self._first :] = rule_memory
+        return actions
+
+
+def located(rule: Scripted, params: Params | None = None, **options: float) -> Located:
+    """`rule` on track `range` in the world `params`, with the interface that the two declare."""
+    policy = Located(rule=rule, **options)
+    return dataclasses.replace(policy, world=Params.of(params, **policy.interface()))

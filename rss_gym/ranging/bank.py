@@ -34,8 +34,10 @@ MODEL = np.dtype(
             "process_noise_m2",  # of the link's filter, in a tick
             "rest_inflation",  # of the variance of z that is not coloured noise
             "vertical_variance_m2",  # of the height between the two, which the plane leaves out
-            "spread_m2",  # variance of the relative way flown in a decision, per axis
+            "spread_m2",  # variance of the relative way flown in a decision, per axis, and without messages
+            "spread_unheard_m2",
             "closing_std_mps",  # blurs from which bearings the other may have come
+            "miss_std_m",  # prior of the distance at which the other passes
             "floor_m",
         )
     ]
@@ -67,25 +69,33 @@ def store(h, c, p):
 
 @kernel
 def start(bank, range_m, range_std_m, coloured_db, vx, vy, model):
-    """Spread the link's filter over the bearings, weighted by the flux through the edge of the zone.
+    """Spread the link's filter over the bearings, weighted by the flux and the prior of the miss distance.
 
-    In traffic of even density the share that comes in from a bearing is in proportion to its closing speed; `vx`, `vy`
-    is the relative velocity (m/s) at the warning.
+    In traffic of even density the share that enters the zone at a bearing is in proportion to its closing speed; `vx`,
+    `vy` is the relative velocity (m/s) at the warning.
     """
     d, variance = range_m, range_std_m * range_std_m
     s = model.coloured_variance_db2
     p_dp, p_pp = open_covariance(d, variance, model.path_loss_factor, s, variance_db2(d, model))
+    speed = sqrt(vx * vx + vy * vy)
+    ax, ay = (vx / speed, vy / speed) if speed > 0.0 else (1.0, 0.0)
     apart = 2.0 * pi / len(bank)
     across = (0.6 * d * apart) ** 2
     for k in range(len(bank)):
-        nx, ny = cos(k * apart), sin(k * apart)
+        # Mirror images of each other in the relative velocity, and none on it.
+        forth, right = cos((k + 0.5) * apart), sin((k + 0.5) * apart)
+        nx, ny = forth * ax - right * ay, forth * ay + right * ax
         c = d * nx, d * ny, coloured_db, 0.0
         more = variance - across
         xx, xy, yy = across + more * nx * nx, more * nx * ny, across + more * ny * ny
         p = xx, xy, p_dp * nx, 0.0, yy, p_dp * ny, 0.0, p_pp, 0.0, model.factor_variance
         store(bank[k], c, p)
-        closing, blur = -(nx * vx + ny * vy), model.closing_std_mps
-        bank[k, WEIGHT] = log(closing + sqrt(closing * closing + blur * blur))
+        closing, blur, miss_m = (
+            -speed * forth,
+            model.closing_std_mps,
+            d * right * speed / (speed + model.closing_std_mps),
+        )
+        bank[k, WEIGHT] = log(closing + sqrt(closing * closing + blur * blur)) - 0.5 * (miss_m / model.miss_std_m) ** 2
 
 
 @kernel
@@ -111,13 +121,13 @@ def advance(bank, dx, dy, spread_m2, range_m, coloured_db, model):
 def side(bank, vx, vy, sign):
     """Weight, mean (x, y) and covariance (xx, xy, yy) of the hypotheses on one side of the relative velocity.
 
-    `sign` +1 takes those to the right of it (in axes whose y is to the right of x), -1 those to the left, 0 all. The
+    `sign` +1 takes those to the right of it (in axes whose y is to the right of x), -1 those to the left of it. The
     weight is not normalised; without weight the mean is zero.
     """
     w = x = y = xx = xy = yy = 0.0
     for k in range(len(bank)):
         h = bank[k]
-        if sign * (vx * h[Y] - vy * h[X]) >= 0.0:
+        if sign * (vx * h[Y] - vy * h[X]) >= 0.0:  # on the line itself: to either side
             share = exp(h[WEIGHT])
             w += share
             x, y = x + share * h[X], y + share * h[Y]

@@ -4,15 +4,15 @@ Each hypothesis is a Gaussian over [x, y, phi, beta]: the relative position, the
 path loss factor. It is moved by the known relative velocity, in place of psi of (12), and weighted by its likelihood. A
 straight relative flight leaves its mirror image as likely; only a change of the relative velocity separates the two.
 
-The measurement is what the link's filter holds of the RSS, z = phi_hat - 10 gamma log10 d_hat. Its error is the coloured
-noise, which the state carries with its variance and time, and a rest that the filter forgets between two decisions:
-so nothing is left over that is correlated in time, while the errors of d_hat itself are, over several seconds.
+The measurement is what the link's filter holds of the RSS, z = phi_hat - 10 gamma log10 d_hat. The errors of d_hat are
+correlated over seconds; those of z are the coloured noise, which the state carries with its variance and time, and a
+rest that the filter all but forgets between two decisions.
 """
 
 from math import sqrt
 
 from rss_gym.jit import kernel
-from rss_gym.physics.elementary import cos, log, log10, sin
+from rss_gym.physics.elementary import log, log10
 from rss_gym.physics.path_loss import LN10, slope_db_pm
 
 
