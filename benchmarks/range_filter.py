@@ -19,7 +19,7 @@ ROWS, DECISIONS, ROUNDS, AIM = 1024, 60, 5, 20_000
 
 
 def rates(policy: Scripted) -> tuple[list[float], float]:
-    """Decisions per CPU second of each round, after one that is not counted, and the share with a message to work on."""
+    """Decisions per CPU second of each round, after one that is not counted, and the share with an open bank."""
     batch = Batch(policy.world, ROWS)
     batch.seed(np.arange(ROWS, dtype=np.uint64))
     batch.reset(np.ones(ROWS, bool))
