@@ -1,7 +1,8 @@
 """Policies behind one protocol, SB3's `predict`, by name: `make("orthogonal:radius_m=60", params)`.
 
 A new policy is one file and one line in `POLICIES`. A name is a rule and, if wanted, the track it flies on and options:
-`orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME.
+`orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME. On track `range` a
+rule that reads positions flies on those of the range-only filter.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from rss_gym.baselines.mvp import Mvp
 from rss_gym.baselines.orca import Orca
 from rss_gym.baselines.orthogonal import Orthogonal
 from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
+from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.params import Params, ParamsError, Track, suggestion
 
@@ -38,6 +40,7 @@ POLICIES: dict[str, type[Scripted]] = {
     "right-turn": RightTurn,
     "random": Random,
 }
+RANGE = "range"  # the track without positions
 FILTER = "cbf"  # the rule that may stand before a `+`
 
 
@@ -127,16 +130,20 @@ def make(spec: str, params: Params | None = None) -> Scripted:
     kind, world = POLICIES[parsed.rule], Params.of(params)
     base = make(parsed.base, world) if parsed.base else None
     track = parsed.track or (base.world if base else world).interface.track
-    if track not in kind.tracks:
+    # The range-only filter hands a rule positions, but not the actions of another policy.
+    tracks = tuple(name for name in kind.tracks if not (base and name == RANGE))
+    if track not in tracks:
         if parsed.track or base:
             raise ParamsError(
                 f"policy {spec!r}: {parsed.rule!r} cannot fly on track {track!r}, where it is not told what it needs; "
-                f"it can on {', '.join(kind.tracks)}"
+                f"it can on {', '.join(tracks)}"
             )
-        track = kind.tracks[-1]
+        track = tracks[-1]
     try:
         options: dict[str, Any] = parsed.options | ({"base": base} if base else {})
-        policy = kind(**options)
+        policy: Scripted = kind(**options)
+        if track == RANGE and policy.reads_positions:
+            policy = RangeOnly(rule=policy)
         return dataclasses.replace(policy, world=Params.of(world, track=track, **policy.interface()))
     except ParamsError as error:
         raise ParamsError(f"policy {spec!r}: {error}") from error

@@ -93,7 +93,7 @@ class Mpc(Scripted):
     effort_s: float = number(1.0, 0.0, 100.0)
     penalty_m: float = number(500.0, 0.0, 1e6)
 
-    tracks = ("oracle", "paper")
+    reads_positions = True
 
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""

@@ -81,7 +81,7 @@ class Orthogonal(Scripted):
     radius_m: float = number(60.0, 1.0, 1000.0)
     lookahead_s: float = number(0.5, 0.0, 60.0)
 
-    tracks = ("oracle", "paper")
+    reads_positions = True
     columns = 7
 
     def interface(self) -> dict[str, Any]:

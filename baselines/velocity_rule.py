@@ -38,7 +38,7 @@ class VelocityRule(Scripted):
     lookahead_s: float = number(20.0, 0.5, 600.0)
     sigmas: float = number(1.0, 0.0, 10.0)
 
-    tracks = ("oracle", "paper")
+    reads_positions = True
 
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""

@@ -10,7 +10,7 @@ from rss_gym.core import Batch, decode
 from rss_gym.eval.suites import DEGENERATE
 from rss_gym.params import Params, ParamsError
 
-RULES = [name for name, kind in baselines.POLICIES.items() if kind.tracks == ("oracle", "paper")]
+RULES = [name for name, kind in baselines.POLICIES.items() if kind.reads_positions]
 COUNT = 12
 
 
@@ -184,7 +184,7 @@ def test_a_track_is_part_of_the_name():
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
-        ("orca@range", ["'orca@range'", "track 'range'", "oracle, paper"]),
+        ("cbf+none@range", ["'cbf+none@range'", "track 'range'", "oracle, paper"]),
         ("orca@orcale", ["'orcale'", "did you mean 'oracle'"]),
         ("modified-orthogonal@paper", ["track 'paper'", "range"]),
         ("orca+mvp", ["only 'cbf'"]),
