@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from rss_gym.baselines.blind import Blind, Constant
+from rss_gym.baselines.blind import Blind, Climb, Constant
 from rss_gym.baselines.cbf import Cbf
 from rss_gym.baselines.modified_orthogonal import ModifiedOrthogonal
 from rss_gym.baselines.mpc import Mpc
@@ -24,7 +24,7 @@ from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.params import Params, ParamsError, Track, suggestion
 
-__all__ = ["POLICIES", "Parsed", "Policy", "describe", "is_known", "make", "parse"]
+__all__ = ["POLICIES", "Parsed", "Policy", "able", "describe", "is_known", "make", "parse"]
 
 POLICIES: dict[str, type[Scripted]] = {
     "none": Nothing,
@@ -35,6 +35,7 @@ POLICIES: dict[str, type[Scripted]] = {
     "cbf": Cbf,
     "mpc": Mpc,
     "constant": Constant,
+    "climb": Climb,
     "blind": Blind,
     "brake": Brake,
     "right-turn": RightTurn,
@@ -123,8 +124,8 @@ def make(spec: str, params: Params | None = None) -> Scripted:
     Raises
     ------
     ParamsError
-        For what `parse` refuses, an option out of range, a track that the rule cannot fly on, or a contradiction with
-        the world.
+        For what `parse` refuses, an option out of range, a track or a plane that the rule cannot fly in, or a
+        contradiction with the world.
     """
     parsed = parse(spec)
     kind, world = POLICIES[parsed.rule], Params.of(params)
@@ -139,6 +140,8 @@ def make(spec: str, params: Params | None = None) -> Scripted:
                 f"it can on {', '.join(tracks)}"
             )
         track = tracks[-1]
+    if kind.in_space and world.encounter.planar:
+        raise ParamsError(f"policy {spec!r}: {parsed.rule!r} flies in space only, got a world with planar = True")
     try:
         options: dict[str, Any] = parsed.options | ({"base": base} if base else {})
         policy: Scripted = kind(**options)
@@ -152,6 +155,12 @@ def make(spec: str, params: Params | None = None) -> Scripted:
 def _options(kind: type[Scripted]) -> dict[str, Any]:
     """Name -> default of the options that a specification may set: the numbers."""
     return {f.name: f.default for f in dataclasses.fields(kind) if "low" in f.metadata}
+
+
+def able(world: Params) -> list[str]:
+    """Names of all that can fly in this world, on its track, at their defaults."""
+    track, planar = world.interface.track, world.encounter.planar
+    return [name for name, kind in POLICIES.items() if track in kind.tracks and not (kind.in_space and planar)]
 
 
 def describe() -> dict[str, dict[str, Any]]:

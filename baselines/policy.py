@@ -36,7 +36,7 @@ class Scripted(Group):
     """Base of the scripted policies: options as fields, the world they fly in, memory as one array of rows.
 
     A subclass writes `act`; `memory` columns are zero at the start of an episode. `tracks` are those it can fly on;
-    a rule that `reads_positions` flies on track `range` inside `RangeOnly`.
+    a rule that `reads_positions` flies on track `range` inside `RangeOnly`, one `in_space` in no planar world.
     """
 
     world: Params = field(default_factory=Params)
@@ -44,6 +44,7 @@ class Scripted(Group):
     columns = 0
     tracks: ClassVar[tuple[str, ...]] = get_args(Track)
     reads_positions: ClassVar[bool] = False
+    in_space: ClassVar[bool] = False
 
     def interface(self) -> dict[str, Any]:
         """Parameters of the world that the policy needs: track, action, reach."""
