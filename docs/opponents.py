@@ -12,6 +12,8 @@ from rss_gym.eval.text import cell
 from rss_gym.files import write_text
 from rss_gym.pages import figure, page
 
+LEGEND = "Bars are 95 % intervals; a hollow point had no collision and stands at the upper end of its interval."
+TICKS_M = (1, 2, 5, 10, 20, 50, 100)
 MARKERS = "osDv^PX"
 COLUMNS = {
     "collision_rate": ("collisions", ".2e"),
@@ -96,7 +98,7 @@ def chart(tracks: dict[str, dict[str, list[Row]]], none: dict[str, Row]) -> str:
             rate, path = (none[track].metrics[name] for name in ("collision_rate", "path_deviation_mean_m"))
             axes.plot(path.value, rate.value, "*", color=figure.NOMINAL, markersize=8, label="none")
             axes.set(title=f"track {track}", xlabel="mean deviation, m", xscale="log", yscale="log")
-            axes.set_xticks([5, 10, 20, 50, 100], ["5", "10", "20", "50", "100"])
+            axes.set_xticks(TICKS_M, [f"{tick}" for tick in TICKS_M])
             axes.minorticks_off()
         drawing.axes[0].set_ylabel("collisions per encounter")
         handles = {}

@@ -175,45 +175,46 @@ def fly(todo: list[Job]) -> None:
         )
 
 
-def write(todo: list[Job]) -> None:
-    """The pages from the records of the jobs."""
+def pages(todo: list[Job]) -> tuple[str, str, str]:
+    """From the records of the jobs: the README's table, those of docs/opponents.md, the chart."""
     found = {job.name: opponents.read(job.folder) for job in todo}
     curves: dict[str, dict[str, list[opponents.Row]]] = {}
-    text = []
+    main, text = {}, []
     for track in CURVES:
-        main, curves[track] = [found[track]["none"]], {}
+        curves[track], rows = {}, [found[track]["none"]]
         for rule, curve in CURVES[track].items():
-            rows = found[f"{track}-{rule}"] | found[track]  # the record with more encounters counts
-            curves[track][rule] = [rows[spec(rule, curve, value)] for value in curve.values]
-            main += curves[track][rule] if curve is CONSTANT else [rows[spec(rule, curve, curve.chosen)]]
-        main += [found[track][name] for name in BLIND]
-        text.append(f"## Track `{track}`\n\n{opponents.scores(main)}")
-        if track == README_TRACK:
-            opponents.put(ROOT / "README.md", "scores", f"{opponents.scores(main)}\n\n{opponents.made()}")
-    drawn = opponents.chart(curves, {track: found[track]["none"] for track in CURVES})
-    write_text(DOCS / "opponents.svg", drawn)
-    text.append(
-        "## All settings\n\n![Collisions over deviation](opponents.svg)\n\nHollow: no collision, the upper end."
-    )
+            known = found[f"{track}-{rule}"] | found[track]  # the record with more encounters counts
+            curves[track][rule] = [known[name] for name in points(rule, curve)]
+            rows += curves[track][rule] if curve is CONSTANT else [known[spec(rule, curve, curve.chosen)]]
+        main[track] = opponents.scores([*rows, *(found[track][name] for name in BLIND)])
+        text.append(f"## Track `{track}`\n\n{main[track]}")
+    text.append(f"## All settings\n\n![Collisions over deviation](opponents.svg)\n\n{opponents.LEGEND}")
     for track in CURVES:
-        settings = [row for rows in curves[track].values() for row in rows]
-        text.append(f"### Track `{track}`\n\n{opponents.settings(settings)}")
+        rows = [row for line in curves[track].values() for row in line]
+        text.append(f"### Track `{track}`\n\n{opponents.settings(rows)}")
     text.append(f"## In space, track `paper`\n\n{opponents.scores(found['space'].values())}")
     for track in CURVES:
         rows_of = {name: found[f"{track}-{name}-slow"] | found[f"{track}-{name}"] for name in families()}
         text.append(f"## Collisions by family, track `{track}`\n\n{opponents.by_family(rows_of)}")
-    opponents.put(DOCS / "opponents.md", "tables", "\n\n".join([*text, opponents.made()]))
+    drawn = opponents.chart(curves, {track: found[track]["none"] for track in CURVES})
+    return f"{main[README_TRACK]}\n\n{opponents.made()}", "\n\n".join([*text, opponents.made()]), drawn
 
 
 def main() -> None:
-    """Fly what is missing and write the pages."""
+    """Fly what is missing and write the pages, or print them for a test."""
     parser = argparse.ArgumentParser(description="Flies the tables of the scripted rules and writes docs/opponents.md.")
     parser.add_argument("--shrink", type=int, default=1, metavar="N", help="N times fewer encounters, for a test")
     options = parser.parse_args()
     require_figures()
     todo = jobs(options.shrink)
     fly(todo)
-    write(todo)
+    readme, tables, drawn = pages(todo)
+    if options.shrink > 1:
+        print(tables)
+        return
+    opponents.put(ROOT / "README.md", "scores", readme)
+    opponents.put(DOCS / "opponents.md", "tables", tables)
+    write_text(DOCS / "opponents.svg", drawn)
 
 
 if __name__ == "__main__":
