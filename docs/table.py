@@ -61,7 +61,7 @@ CURVES: dict[str, dict[str, Curve]] = {
         "orca": Curve(25, (15, 20, 30, 40)),
         "mvp": Curve(30, (15, 20, 45, 70), rest=",lookahead_s=40"),
         "cbf": Curve(25, (15, 20, 30, 45)),
-        "mpc": Curve(30, (15, 20, 45, 60)),
+        "mpc": Curve(20, (10, 15, 30, 45)),
         "modified-orthogonal": Curve(120, (40, 60, 90)),
         "constant": CONSTANT,
     },
