@@ -31,7 +31,7 @@ lint: .venv/.done ## style, types and layers
 bench: .venv/.bench ## step rates on one core, beside other environments
 	$(BIN)/python benchmarks/speed.py
 
-table: .venv/.done ## fly the scripted rules on every track, and write their tables (about an hour; goes on where interrupted)
+table: .venv/.done ## fly the scripted rules and write their tables (an hour; goes on where it was interrupted)
 	$(BIN)/python docs/table.py
 
 clean: ## remove build products and caches; .venv stays
