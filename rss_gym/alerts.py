@@ -69,16 +69,17 @@ def tell(contact, path, craft, r, positions):
             # The next way point, displaced as the sender's own solution is.
             ahead_m = path.path_m[path.leg + 1, axis] - craft.position_m[axis, r]
             contact.way_point_m[axis] = craft.solution_m[axis, r] + ahead_m
-    if path.announced_rad != 0.0 and path.leg > 0:
-        mislead(contact, path.announced_rad)
+    if contact.false_turn[1] != 0.0 and path.leg > 0:
+        mislead(contact)
 
 
-@inner
-def mislead(contact, angle_rad):
+@inner(forceinline=True)
+def mislead(contact):
     """Turn what a message tells of the way ahead; where the sender is stays true."""
     v, p, w = contact.velocity_mps, contact.position_m, contact.way_point_m
-    v[0], v[1] = turned(v[0], v[1], angle_rad)
-    x, y = turned(w[0] - p[0], w[1] - p[1], angle_rad)
+    c, s = contact.false_turn[0], contact.false_turn[1]
+    v[0], v[1] = turned(v[0], v[1], c, s)
+    x, y = turned(w[0] - p[0], w[1] - p[1], c, s)
     w[0], w[1] = p[0] + x, p[1] + y
 
 

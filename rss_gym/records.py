@@ -71,7 +71,6 @@ AIRCRAFT = np.dtype(
         ("path_s", f8, MAX_WAY_POINTS),
         ("path_points", i8),
         ("law", i8),  # index into World.families
-        ("announced_rad", f8),  # what its messages are turned by, from its first way point on
         ("leg", i8),
         ("held_s", f8),  # time spent in a hover
         ("hover_until_s", f8),
@@ -114,6 +113,7 @@ CONTACT = np.dtype(
         ("hovered", b1),
         ("silent_s", f8),  # the link is silent from here
         ("silent_until_s", f8),
+        ("false_turn", f8, 2),  # cosine and sine of what messages are turned by, from the sender's first way point on
         ("missed", i8),  # consecutive ticks inside the zone with an estimated range outside it
         # The held message: the sender's own solution
         ("valid", b1),

@@ -2,6 +2,7 @@
 
 from rss_gym.encounters.sampler import planned, signed
 from rss_gym.jit import inner
+from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.geometry import entry_s
 from rss_gym.physics.random import uniform
 from rss_gym.records import STREAM_COMPLICATION
@@ -12,7 +13,8 @@ def complicate(law, radius_m, key, k, agent, craft, contact, link):
     """Draw what intruder `k`, of family `law`, announces, and when its link jumps or is silent."""
     stream = STREAM_COMPLICATION + k
     onset_s = zone_entry_s(agent, craft, radius_m) + between(uniform(key, stream, 0), law.onset_min_s, law.onset_max_s)
-    craft.announced_rad = signed(uniform(key, stream, 1), law.announced_min_rad, law.announced_max_rad)
+    announced_rad = signed(uniform(key, stream, 1), law.announced_min_rad, law.announced_max_rad)
+    contact.false_turn[0], contact.false_turn[1] = cos(announced_rad), sin(announced_rad)
     link.jump_s, link.jump = onset_s, signed(uniform(key, stream, 2), law.jump_min, law.jump_max)
     contact.silent_s = onset_s
     contact.silent_until_s = onset_s + between(uniform(key, stream, 3), law.outage_min_s, law.outage_max_s)

@@ -51,7 +51,8 @@ class Complication:
     announced_rad : (float, float) or None
         Turn that its messages tell, velocity and next way point, while it flies straight on.
     merging : bool
-        All intruders reach the agent's path at one point and at one time, and go on along the course of the first.
+        All intruders reach one point of the agent's path at one time, but for their miss distances, and go on along
+        the course of the first.
     onset_s : (float, float)
         When a jump or an outage begins, after the planned entry into the safety zone.
     path_loss_jump : (float, float) or None

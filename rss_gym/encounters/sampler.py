@@ -1,8 +1,8 @@
 """Draws one encounter: predefined trajectories built from the closest approach backwards.
 
 The origin is the planned closest approach of the first intruder. All paths are level polylines, each leg flown at a
-constant cruise speed; a draw that breaks a stated limit (closing speed, time, start range, an earlier and closer approach) is
-drawn again.
+constant cruise speed; a draw that breaks a stated limit (closing speed, time, start range, an earlier and closer
+approach) is drawn again.
 """
 
 from math import pi, sqrt
@@ -245,7 +245,7 @@ def draw(key, config, families, aircraft, intruders):
             if k == 0:
                 own_bend_s = law.bend_min_s + bend_span_s * uniform(key, STREAM_SAMPLER, at + 11)
                 own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
-                wx, wy = turned(ovx, ovy, own_turn)
+                wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
                 lay_path(
                     agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s,
                     own_turn != 0.0, min(own_bend_s, 0.6 * approach_s), wx, wy,
@@ -256,7 +256,7 @@ def draw(key, config, families, aircraft, intruders):
                 if k > 0:
                     ivx, ivy = course(aircraft[1], speed)
             else:
-                wx, wy = turned(ivx * (before / speed), ivy * (before / speed), turn)
+                wx, wy = turned(ivx * (before / speed), ivy * (before / speed), cos(turn), sin(turn))
             lay_path(
                 intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s,
                 law.bends, min(bend_s, 0.6 * approach_s), wx, wy,

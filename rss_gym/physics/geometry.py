@@ -3,7 +3,6 @@
 from math import sqrt
 
 from rss_gym.jit import kernel
-from rss_gym.physics.elementary import cos, sin
 
 
 @kernel(forceinline=True)
@@ -18,10 +17,9 @@ def zero(to):
     to[0] = to[1] = to[2] = 0.0
 
 
-@kernel
-def turned(x, y, angle_rad):
-    """A horizontal vector turned to the right."""
-    c, s = cos(angle_rad), sin(angle_rad)
+@kernel(inline="always")
+def turned(x, y, c, s):
+    """A horizontal vector turned to the right by the angle of cosine `c` and sine `s`."""
     return x * c + y * s, y * c - x * s
 
 
