@@ -94,7 +94,7 @@ def load_message(lanes, r, contact, positions):
 
 
 @inner(forceinline=True)
-def wander(link, time_s):
+def departure(link, time_s):
     """True path loss factor minus the channel's."""
     return link.wander + (link.jump if time_s >= link.jump_s else 0.0)
 
@@ -102,7 +102,7 @@ def wander(link, time_s):
 @inner(forceinline=True)
 def load_link(lanes, r, link, time_s):
     """Copy a link to lane r."""
-    lanes.coloured_db[r], lanes.wander[r] = link.coloured_db, wander(link, time_s)
+    lanes.coloured_db[r], lanes.wander[r] = link.coloured_db, departure(link, time_s)
     lanes.range_m[r], lanes.coloured_hat_db[r] = link.range_m, link.coloured_hat_db
     lanes.p_dd[r], lanes.p_dp[r], lanes.p_pp[r] = link.p_dd, link.p_dp, link.p_pp
     lanes.rate_mps[r] = link.rate_mps

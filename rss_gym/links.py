@@ -84,7 +84,7 @@ def transmit(block, link):
 
 @inner
 def receive(config, channels, episode, contacts, block, links, used):
-    """Quantise the RSS and lose packets, where a channel does that or is silent; a lost one is minus infinity."""
+    """Quantise the RSS and lose packets, where a channel does that, and all in an outage; lost is minus infinity."""
     for n in range(len(used)):
         s = used[n]
         g = s if s < config.intruders else MAX_INTRUDERS + s - config.intruders

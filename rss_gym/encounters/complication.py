@@ -1,6 +1,6 @@
 """What befalls the messages and the link of an intruder, drawn at the start of an episode (`family.Complication`)."""
 
-from rss_gym.encounters.sampler import planned, signed
+from rss_gym.encounters.sampler import between, planned, signed
 from rss_gym.jit import inner
 from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.geometry import entry_s
@@ -26,9 +26,3 @@ def zone_entry_s(one, two, radius_m):
     ax, ay, az, avx, avy, avz = planned(one, 0, 0.0)
     bx, by, bz, bvx, bvy, bvz = planned(two, 0, 0.0)
     return entry_s(bx - ax, by - ay, bz - az, bvx - avx, bvy - avy, bvz - avz, radius_m)
-
-
-@inner
-def between(u, low, high):
-    """A value uniform in [low, high], from one uniform `u`."""
-    return low + (high - low) * u

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from rss_gym.params import ParamsError
 from rss_gym.records import FAMILY
 
 TURN_S = (6.0, 20.0)  # before the closest approach, where both turn
@@ -42,8 +43,8 @@ class Complication:
     Parameters
     ----------
     bend_s : (float, float)
-        When a turn, a change of speed or a false announcement begins, before the planned closest approach. At the
-        cruise speeds of the default world 15 s is within the safety zone for any crossing angle.
+        When a turn, a change of speed or a false announcement begins, before the planned closest approach. In the
+        default world up to 12 s are always within the safety zone.
     turn_rad : (float, float) or None
         Size of a turn that the intruder alone makes.
     speed_change_mps : (float, float) or None
@@ -98,7 +99,7 @@ class Family:
     script : Script or None
         A hand-written encounter, which makes the ranges above void.
     complication : Complication or None
-        What else the intruder or its link does.
+        What else the intruder or its link does; not together with `turn_rad`.
     """
 
     summary: str
@@ -109,6 +110,11 @@ class Family:
     turn_rad: tuple[float, float] | None = None
     script: Script | None = None
     complication: Complication | None = None
+
+    def __post_init__(self) -> None:
+        """Check that there is one law of turns."""
+        if self.turn_rad is not None and self.complication is not None:
+            raise ParamsError(f"turn_rad = {self.turn_rad} must be None beside a complication, which has its own")
 
     @property
     def definition(self) -> dict[str, Any]:

@@ -21,6 +21,12 @@ DRAWS = 16  # uniforms reserved for one attempt of one intruder
 
 
 @inner
+def between(u, low, high):
+    """A value uniform in [low, high], from one uniform `u`."""
+    return low + (high - low) * u
+
+
+@inner
 def signed(u, low, high):
     """A value of random sign with magnitude uniform in [low, high], from one uniform `u`."""
     if u < 0.5:
@@ -205,8 +211,7 @@ def draw(key, config, families, aircraft, intruders):
             horizontal, vertical = miss(
                 config, law, conflict, uniform(key, STREAM_SAMPLER, at + 5), uniform(key, STREAM_SAMPLER, at + 6)
             )
-            bend_span_s = law.bend_max_s - law.bend_min_s
-            bend_s = law.bend_min_s + bend_span_s * uniform(key, STREAM_SAMPLER, at + 7)
+            bend_s = between(uniform(key, STREAM_SAMPLER, at + 7), law.bend_min_s, law.bend_max_s)
             turn = signed(uniform(key, STREAM_SAMPLER, at + 8), law.turn_min_rad, law.turn_max_rad)
             before = speed
             if law.speed_change_max_mps > 0.0:
@@ -243,7 +248,7 @@ def draw(key, config, families, aircraft, intruders):
             iz = oz + vertical
             own_end_s = approach_s + config.tail_s
             if k == 0:
-                own_bend_s = law.bend_min_s + bend_span_s * uniform(key, STREAM_SAMPLER, at + 11)
+                own_bend_s = between(uniform(key, STREAM_SAMPLER, at + 11), law.bend_min_s, law.bend_max_s)
                 own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
                 wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
                 lay_path(

@@ -8,8 +8,9 @@ from scipy import stats
 
 from rss_gym.core import Batch
 from rss_gym.encounters import FAMILIES
+from rss_gym.encounters.family import Complication, Family
 from rss_gym.eval.suites import SEPARATING, SUITES
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 
 N = 1000
 WORLD = Params()
@@ -319,6 +320,11 @@ def test_between_a_fifth_and_three_fifths_collide_if_nobody_acts(suite):
         share = np.mean(batch.episode["collision"][mine])
         print(f"\nshare of {mine.sum()} {name} encounters that collide under zero action: {share:.3f}")
         assert 0.2 < share < 0.6
+
+
+def test_one_law_of_turns():
+    with pytest.raises(ParamsError, match="turn_rad"):
+        Family(summary="", weight=0.0, turn_rad=(0.5, 1.0), complication=Complication())
 
 
 def test_suites_from_before_keep_their_definition():
