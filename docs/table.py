@@ -26,7 +26,8 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 RUNS = ROOT / "runs" / "table"
 SUITE, SEED, WORKERS = "encounter-v0", 0, 2
-CHOSEN, POINT, SLOW_BY_FAMILY = 100_000, 20_000, 5_000  # encounters
+CHOSEN, POINT, BY_FAMILY = 100_000, 20_000, 5_000  # encounters of a rule's chosen setting, of others, in a family
+SLOW_CHOSEN, SLOW_POINT, SLOW_BY_FAMILY = 20_000, 5_000, 2_000  # of the slow rules
 SLOW_COST = 8  # time of a slow rule's flight in those of another, for the time that is left
 
 
@@ -136,24 +137,28 @@ def points(rule: str, curve: Curve) -> tuple[str, ...]:
 
 def jobs(shrink: int) -> list[Job]:
     """All of them, with `shrink` times fewer encounters."""
-    chosen_n, point_n, slow_n = (max(count // shrink, 2) for count in (CHOSEN, POINT, SLOW_BY_FAMILY))
+    counts = (CHOSEN, POINT, BY_FAMILY, SLOW_CHOSEN, SLOW_POINT, SLOW_BY_FAMILY)
+    chosen_n, point_n, family_n, slow_n, slow_point_n, slow_family_n = (max(count // shrink, 2) for count in counts)
     out = []
     for track, curves in CURVES.items():
         where: dict[str, Any] = {"track": track}
         first = Job(track, SUITE, where, ("none", *chosen(track, slow=False), *BLIND), chosen_n)
         out.append(first)
         for rule, curve in curves.items():
-            slow = is_slow(rule, track)
-            flown = tuple(name for name in points(rule, curve) if name not in first.policies)
-            out.append(Job(f"{track}-{rule}", SUITE, where, flown, point_n, slow))
+            slow, best = is_slow(rule, track), spec(rule, curve, curve.chosen)
+            others = tuple(name for name in points(rule, curve) if name != best)
+            out.append(Job(f"{track}-{rule}", SUITE, where, others, slow_point_n if slow else point_n, slow))
+        slow_rules = chosen(track, slow=True)
+        out.append(Job(f"{track}-slow", SUITE, where, slow_rules, slow_n, slow=True))
     rules = (*chosen("paper", slow=False), *chosen("paper", slow=True))
     flown = dict.fromkeys(("none", *rules, *points("constant", CONSTANT), *points("climb", CLIMB)))
     out.append(Job("space", "encounter3d-v0", {}, tuple(flown), point_n))
     for track in CURVES:
         for family in families():
             where = {"track": track, "families": [family], **OF_FAMILY.get(family, {})}
-            out.append(Job(f"{track}-{family}", SUITE, where, chosen(track, slow=False), point_n))
-            out.append(Job(f"{track}-{family}-slow", SUITE, where, chosen(track, slow=True), slow_n, slow=True))
+            out.append(Job(f"{track}-{family}", SUITE, where, chosen(track, slow=False), family_n))
+            slow_rules = chosen(track, slow=True)
+            out.append(Job(f"{track}-{family}-slow", SUITE, where, slow_rules, slow_family_n, slow=True))
     return out
 
 
@@ -183,7 +188,7 @@ def pages(todo: list[Job]) -> tuple[str, str, str]:
     for track in CURVES:
         curves[track], rows = {}, [found[track]["none"]]
         for rule, curve in CURVES[track].items():
-            known = found[f"{track}-{rule}"] | found[track]  # the record with more encounters counts
+            known = found[f"{track}-{rule}"] | found[f"{track}-slow"] | found[track]
             curves[track][rule] = [known[name] for name in points(rule, curve)]
             rows += curves[track][rule] if curve is CONSTANT else [known[spec(rule, curve, curve.chosen)]]
         main[track] = opponents.scores([*rows, *(found[track][name] for name in BLIND)])
