@@ -47,8 +47,8 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     """
     spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
     if isinstance(policy, str):
-        known = policy.partition(":")[0] in baselines.POLICIES
-        policy = baselines.make(policy, world) if known or ":" not in policy else _imported(policy, world)
+        known = baselines.is_known(policy) or ":" not in policy
+        policy = baselines.make(policy, world) if known else _imported(policy, world)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
     if isinstance(policy, Scripted):

@@ -47,7 +47,7 @@ class Suite:
     @property
     def definition(self) -> dict[str, Any]:
         """Everything that the hash covers, as plain JSON types."""
-        families = {name: dataclasses.asdict(encounters.FAMILIES[name]) for name in self.families}
+        families = {name: encounters.FAMILIES[name].definition for name in self.families}
         return {
             "name": self.name,
             "world_version": WORLD_VERSION,
@@ -67,6 +67,7 @@ class Suite:
 
 
 DEGENERATE = [name for name, family in encounters.FAMILIES.items() if family.script is not None]
+SEPARATING = ["near-parallel", "late-turn", "accelerating", "deceitful", "path-loss-jump", "outage"]
 
 SUITES: dict[str, Suite] = {
     suite.name: suite
@@ -78,6 +79,12 @@ SUITES: dict[str, Suite] = {
         Suite("quadcopter-v0", "the channel of a real telemetry link", Params.of(channel="quadcopter")),
         Suite("turning-v0", "both aircraft turn before the closest approach", Params.of(families="turning")),
         Suite("degenerate-v0", "hand-written corners of the geometry", Params.of(families=DEGENERATE), episodes=1000),
+        Suite("separating-v0", "families that tell the rules apart, in equal shares", Params.of(families=SEPARATING)),
+        Suite(
+            "merging-v0",
+            "2-8 intruders that merge where the agent crosses",
+            Params.of(families="merging", intruders=8, intruders_min=2),
+        ),
         Suite("smoke-v0", "100 encounters, for continuous integration", episodes=100),
     )
 }

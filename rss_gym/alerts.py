@@ -4,7 +4,8 @@ from math import sqrt
 
 from rss_gym.jit import inner
 from rss_gym.lanes import load_message
-from rss_gym.physics.geometry import enters_cylinder
+from rss_gym.links import silent
+from rss_gym.physics.geometry import enters_cylinder, turned
 from rss_gym.records import RANGE
 from rss_gym.safety import STD_TO_80_PERCENT, violates, zone_radius_m
 
@@ -34,7 +35,7 @@ def alert(config, e, contact, path, agent, craft, lanes, link, r):
         contact.radius_m = adaptive_radius_m(config, contact, agent, link, r)
     warn(config, contact, link.range_m[r])
     lanes.known[r] = 0.0
-    if contact.warning:
+    if contact.warning and not silent(contact, e.tick * config.tick_s):
         if config.track == RANGE and not contact.hovered:
             contact.hovered, path.hover_until_s = True, e.tick * config.tick_s + config.hover_s
             craft.hover_until_s[r] = path.hover_until_s
@@ -68,6 +69,18 @@ def tell(contact, path, craft, r, positions):
             # The next way point, displaced as the sender's own solution is.
             ahead_m = path.path_m[path.leg + 1, axis] - craft.position_m[axis, r]
             contact.way_point_m[axis] = craft.solution_m[axis, r] + ahead_m
+    if contact.false_turn[1] != 0.0 and path.leg > 0:
+        mislead(contact)
+
+
+@inner(forceinline=True)
+def mislead(contact):
+    """Turn what a message tells of the way ahead; where the sender is stays true."""
+    v, p, w = contact.velocity_mps, contact.position_m, contact.way_point_m
+    c, s = contact.false_turn[0], contact.false_turn[1]
+    v[0], v[1] = turned(v[0], v[1], c, s)
+    x, y = turned(w[0] - p[0], w[1] - p[1], c, s)
+    w[0], w[1] = p[0] + x, p[1] + y
 
 
 @inner(forceinline=True)

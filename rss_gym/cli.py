@@ -15,7 +15,7 @@ DEMO_REFERENCE = "orthogonal:radius_m=60"  # the replays show each policy beside
 DEMO_POLICIES = (
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
-    "orthogonal-oracle:radius_m=60",
+    "orthogonal@oracle:radius_m=60",
     "constant:right_m=30",
     "blind",
 )
@@ -56,13 +56,17 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("eval", help="score policies on the same encounters")
     command.add_argument(
-        "--policy", nargs="+", required=True, metavar="NAME", help="such as none orthogonal:radius_m=60"
+        "--policy",
+        nargs="+",
+        required=True,
+        metavar="NAME",
+        help="such as none orthogonal:radius_m=60; all for every scripted one",
     )
     command.add_argument("--suite", default="encounter-v0")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")
     command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
-    command.add_argument("--track", help="oracle, paper or range")
+    command.add_argument("--track", nargs="+", help="oracle, paper or range; several give a folder each in DIR")
     command.add_argument("--estimator", help="ekf-coloured, ekf-white or ls")
     command.add_argument("--families", nargs="+")
     command.add_argument("--workers", type=int, default=1)
@@ -127,13 +131,38 @@ def _list(options: argparse.Namespace) -> None:
 
 
 def _eval(options: argparse.Namespace) -> None:
-    from rss_gym.eval import evaluate, records, report, text
-    from rss_gym.files import check_new
+    from rss_gym.eval import records, report, text
+    from rss_gym.files import check_new, new_folder
+    from rss_gym.params import ParamsError
 
-    check_new(options.out)
+    out = check_new(options.out)
     _see_modules_here()
-    names = ("channel", "track", "estimator", "families")
+    names = ("channel", "estimator", "families")
     changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    tracks = options.track or []
+    twice = next((track for track in tracks if tracks.count(track) > 1), None)
+    if twice is not None:
+        raise ParamsError(f"track {twice!r} is given twice")
+    if len(tracks) < 2:
+        results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
+    else:
+        with new_folder(out) as folder:
+            results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
+    if options.json:
+        scores = {track: (out / track / records.SCORES).read_text(encoding="utf-8") for track in results}
+        several = {track: json.loads(content) for track, content in scores.items()}
+        print(json.dumps(several, indent=1) if len(tracks) > 1 else scores[""].rstrip())
+        return
+    for track, result in results.items():
+        print(text.table(result))
+        print(f"scores: {os.path.join(options.out, track, records.SCORES)}")
+        print(f"report: {os.path.join(options.out, track, report.REPORT)}")
+
+
+def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
+    """Fly and save one record."""
+    from rss_gym.eval import evaluate, records, report
+
     result = evaluate(
         options.policy,
         suite=options.suite,
@@ -143,13 +172,8 @@ def _eval(options: argparse.Namespace) -> None:
         reference=options.reference,
         **changes,
     )
-    folder = records.save(result, options.out, options.csv, report.write)
-    if options.json:
-        print((folder / records.SCORES).read_text(encoding="utf-8"), end="")
-    else:
-        print(text.table(result))
-        print(f"scores: {folder / records.SCORES}")
-        print(f"report: {folder / report.REPORT}")
+    records.save(result, out, options.csv, report.write)
+    return result
 
 
 def _verify(options: argparse.Namespace) -> int:

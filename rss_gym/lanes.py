@@ -32,13 +32,14 @@ def load(world, r):
     e = world.episode[i]
     block.tick[r] = e.tick
     block.deviation_m[r], block.deviation_max_m[r], block.flown_m[r] = e.deviation_m, e.deviation_max_m, e.flown_m
+    now_s = e.tick * config.tick_s
     load_channel(block, r, world.channels[e.channel])
     for a in range(1 + e.intruders):
         load_aircraft(world.aircraft_lanes[a], r, world.aircraft[i, a])
     for k in range(e.intruders):
         load_message(world.contact_lanes[k], r, world.contacts[i, k], config.track != RANGE)
     for n in range(len(world.used)):
-        load_link(world.link_lanes[world.used[n]], r, world.links[i, world.used[n]])
+        load_link(world.link_lanes[world.used[n]], r, world.links[i, world.used[n]], now_s)
 
 
 @inner(forceinline=True)
@@ -85,7 +86,7 @@ def load_leg(lanes, r, craft):
 @inner(forceinline=True)
 def load_message(lanes, r, contact, positions):
     """Copy the message held to lane r, where messages carry `positions`."""
-    lanes.known[r] = 1.0 if contact.warning and contact.valid and positions else 0.0
+    lanes.known[r] = 1.0 if contact.valid and contact.age_s == 0.0 and positions else 0.0
     lanes.std_m[r] = contact.std_m
     for axis in range(3):
         lanes.position_m[axis, r] = contact.position_m[axis]
@@ -93,9 +94,15 @@ def load_message(lanes, r, contact, positions):
 
 
 @inner(forceinline=True)
-def load_link(lanes, r, link):
+def departure(link, time_s):
+    """True path loss factor minus the channel's."""
+    return link.wander + (link.jump if time_s >= link.jump_s else 0.0)
+
+
+@inner(forceinline=True)
+def load_link(lanes, r, link, time_s):
     """Copy a link to lane r."""
-    lanes.coloured_db[r], lanes.wander[r] = link.coloured_db, link.wander
+    lanes.coloured_db[r], lanes.wander[r] = link.coloured_db, departure(link, time_s)
     lanes.range_m[r], lanes.coloured_hat_db[r] = link.range_m, link.coloured_hat_db
     lanes.p_dd[r], lanes.p_dp[r], lanes.p_pp[r] = link.p_dd, link.p_dp, link.p_pp
     lanes.rate_mps[r] = link.rate_mps

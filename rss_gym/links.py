@@ -83,8 +83,8 @@ def transmit(block, link):
 
 
 @inner
-def receive(config, channels, episode, block, links, used):
-    """Quantise the RSS and lose packets, where a channel does that; a lost one is minus infinity."""
+def receive(config, channels, episode, contacts, block, links, used):
+    """Quantise the RSS and lose packets, where a channel does that, and all in an outage; lost is minus infinity."""
     for n in range(len(used)):
         s = used[n]
         g = s if s < config.intruders else MAX_INTRUDERS + s - config.intruders
@@ -94,6 +94,14 @@ def receive(config, channels, episode, block, links, used):
             rss[r] = quantise(rss[r], channel.quantisation_db)
             if channel.packet_loss > 0.0 and uniform(e.key, STREAM_LOSS + g, e.tick) < channel.packet_loss:
                 rss[r] = -np.inf
+            if s < config.intruders and silent(contacts[block.row[r], s], e.tick * config.tick_s):
+                rss[r] = -np.inf
+
+
+@inner(forceinline=True)
+def silent(contact, time_s):
+    """Whether the link to an intruder is in an outage."""
+    return contact.silent_s <= time_s < contact.silent_until_s
 
 
 @inner

@@ -70,6 +70,7 @@ AIRCRAFT = np.dtype(
         ("path_m", f8, (MAX_WAY_POINTS, 3)),
         ("path_s", f8, MAX_WAY_POINTS),
         ("path_points", i8),
+        ("law", i8),  # index into World.families
         ("leg", i8),
         ("held_s", f8),  # time spent in a hover
         ("hover_until_s", f8),
@@ -91,7 +92,9 @@ AIRCRAFT = np.dtype(
 LINK = np.dtype(
     [
         ("coloured_db", f8),  # true coloured noise
-        ("wander", f8),  # true path loss factor minus the channel's
+        ("wander", f8),  # true path loss factor minus the channel's, before `jump`
+        ("jump", f8),  # what the path loss factor jumps by at `jump_s`
+        ("jump_s", f8),
         ("range_m", f8),  # the filter's state and covariance
         ("coloured_hat_db", f8),
         ("p_dd", f8),
@@ -108,6 +111,9 @@ CONTACT = np.dtype(
         ("clear_s", f8),  # time since the range was last below the closing threshold
         ("streak", i8),  # consecutive ticks with (29)
         ("hovered", b1),
+        ("silent_s", f8),  # the link is silent from here
+        ("silent_until_s", f8),
+        ("false_turn", f8, 2),  # cosine and sine of what messages are turned by, from the sender's first way point on
         ("missed", i8),  # consecutive ticks inside the zone with an estimated range outside it
         # The held message: the sender's own solution
         ("valid", b1),
@@ -197,9 +203,25 @@ FAMILY = np.dtype(
         ("crossing_max_rad", f8),
         ("offset_min_m", f8),
         ("offset_max_m", f8),
-        ("turns", b1),
+        ("own_turn_min_rad", f8),
+        ("own_turn_max_rad", f8),
+        ("bends", b1),  # the intruder's path has a way point on its way
+        ("bend_min_s", f8),  # before the closest approach
+        ("bend_max_s", f8),
         ("turn_min_rad", f8),
         ("turn_max_rad", f8),
+        ("speed_change_min_mps", f8),
+        ("speed_change_max_mps", f8),
+        ("merging", b1),
+        # What befalls messages and link
+        ("announced_min_rad", f8),
+        ("announced_max_rad", f8),
+        ("onset_min_s", f8),
+        ("onset_max_s", f8),
+        ("jump_min", f8),
+        ("jump_max", f8),
+        ("outage_min_s", f8),
+        ("outage_max_s", f8),
         # A hand-written encounter
         ("scripted", b1),
         ("own_mps", f8),
@@ -258,8 +280,10 @@ def allocate(params: Params, families: np.ndarray, n: int) -> World:
     k = params.encounter.intruders
     links, used = k + NODES * (1 + k), used_links(params)
     tick, decision = streams(params, used)
+    record = config(params)
+    record["lossy"] |= np.any(families["outage_max_s"] > 0.0)
     return World(
-        config=config(params),
+        config=record,
         channels=channels(params),
         families=families,
         episode=np.zeros(n, EPISODE),
@@ -381,6 +405,7 @@ STREAM_AIRCRAFT: Final = 300  # + 10 a + (0-2 gust, 3-5 GNSS, 6-8 velocity, 9 ba
 STREAM_START_LINK: Final = 500  # + g, index: 0 coloured, 1 wander
 STREAM_START_AIRCRAFT: Final = 600  # + a, index: as 10 above, then 10 datum
 STREAM_SAMPLER: Final = 700
+STREAM_COMPLICATION: Final = 800  # + k, index: as in `encounters.complication`
 
 
 def global_link(k: int, link: int) -> int:

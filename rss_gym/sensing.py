@@ -8,6 +8,7 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.jit import inner, kernel
+from rss_gym.lanes import departure
 from rss_gym.physics.geometry import assign
 from rss_gym.records import ORACLE
 
@@ -67,7 +68,7 @@ def reveal(own, other, agent, craft, link, gamma):
         rate += step_m * (other.velocity_mps[axis] - own.velocity_mps[axis])
     other.range_m, other.range_std_m = sqrt(square), 0.0
     other.range_rate_mps = rate / max(other.range_m, 1e-9)
-    other.coloured_db, other.path_loss_factor = link.coloured_db, gamma + link.wander
+    other.coloured_db, other.path_loss_factor = link.coloured_db, gamma + departure(link, own.time_s)
     other.warning = other.range_m <= other.radius_m
     other.streak = 1.0 if other.warning else 0.0
     other.valid, other.age_s = True, 0.0

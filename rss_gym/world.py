@@ -10,6 +10,7 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.alerts import alert, witness
+from rss_gym.encounters.complication import complicate
 from rss_gym.encounters.sampler import draw
 from rss_gym.flight import command, follow_plan, measure, meet, move, plan, steer
 from rss_gym.jit import inner, kernel
@@ -45,7 +46,7 @@ def start(world, own, others, planar, positions, mask, split, seeds, numbers, ob
             load_normals(world, r)
         listen(config, block, aircraft, contacts, links, world.used)
         if config.lossy:
-            receive(config, world.channels, world.episode, block, links, world.used)
+            receive(config, world.channels, world.episode, world.contacts, block, links, world.used)
         for n in range(len(world.used)):
             start_filter(config, block, links[world.used[n]], world.used[n] >= config.intruders)
         assess(config, block, aircraft, links)
@@ -82,7 +83,7 @@ def decide(world, own, others, planar, positions, skip, actions, observations, r
             fly(config, block, aircraft, contacts)
             listen(config, block, aircraft, contacts, links, world.used)
             if config.lossy:
-                receive(config, world.channels, world.episode, block, links, world.used)
+                receive(config, world.channels, world.episode, world.contacts, block, links, world.used)
             for n in range(len(world.used)):
                 estimate(config, block, links[world.used[n]])
             for r in range(block.rows):
@@ -160,6 +161,9 @@ def reset_row(world, i, split, seed, number):
     for link in range(len(links)):
         g = link if link < config.intruders else MAX_INTRUDERS + link - config.intruders
         start_link(channel, links[link], key, g)
+    for k in range(e.intruders):
+        law = world.families[aircraft[1 + k].law]
+        complicate(law, config.radius_m, key, k, aircraft[0], aircraft[1 + k], contacts[k], links[k])
 
 
 @inner

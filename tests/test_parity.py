@@ -24,6 +24,7 @@ VARIANTS = {
     "velocity": {"action": "velocity", "track": "range"},
     "discrete": {"action": "discrete", "planar": False},
     "intruders": {"intruders": 4, "intruders_min": 1, "planar": False},
+    "complications": {"families": ["late-turn", "deceitful", "path-loss-jump", "outage", "merging"], "intruders": 3},
     "radio": {"channel": ["quadcopter", {"packet_loss": 0.2}], "estimator": "ls", "agent": "rss", "zone": "adaptive"},
 }
 WORLDS = {

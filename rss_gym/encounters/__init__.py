@@ -1,17 +1,24 @@
 """Families of encounters, one file each. A new family is one file and one line in `FAMILIES`.
 
-`mixed` draws from all that carry a weight; the degenerate ones do not.
+`mixed` draws from all that carry a weight; the others are named explicitly.
 """
 
 import numpy as np
 
+from rss_gym.encounters.accelerating import ACCELERATING
 from rss_gym.encounters.crossing import CROSSING
+from rss_gym.encounters.deceitful import DECEITFUL
 from rss_gym.encounters.degenerate import EQUAL_VELOCITIES, EXACT_HEAD_ON, HOVERING, START_NEAR_ZONE, TAIL_CHASE
 from rss_gym.encounters.family import Family
 from rss_gym.encounters.head_on import HEAD_ON
+from rss_gym.encounters.late_turn import LATE_TURN
+from rss_gym.encounters.merging import MERGING
+from rss_gym.encounters.near_parallel import NEAR_PARALLEL
 from rss_gym.encounters.no_conflict import NO_CONFLICT
+from rss_gym.encounters.outage import OUTAGE
 from rss_gym.encounters.overtaking import OVERTAKING
 from rss_gym.encounters.parallel_pass import PARALLEL_PASS
+from rss_gym.encounters.path_loss_jump import PATH_LOSS_JUMP
 from rss_gym.encounters.turning import TURNING
 from rss_gym.params import Encounter, ParamsError, suggestion
 from rss_gym.records import FAMILY
@@ -24,6 +31,13 @@ FAMILIES: dict[str, Family] = {
     "turning": TURNING,
     "parallel-pass": PARALLEL_PASS,
     "no-conflict": NO_CONFLICT,
+    "near-parallel": NEAR_PARALLEL,
+    "late-turn": LATE_TURN,
+    "accelerating": ACCELERATING,
+    "deceitful": DECEITFUL,
+    "path-loss-jump": PATH_LOSS_JUMP,
+    "outage": OUTAGE,
+    "merging": MERGING,
     "exact-head-on": EXACT_HEAD_ON,
     "tail-chase": TAIL_CHASE,
     "equal-velocities": EQUAL_VELOCITIES,

@@ -1,11 +1,15 @@
 """What a family of encounters is: the ranges that the sampler draws from, as data."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 
+from rss_gym.params import ParamsError
 from rss_gym.records import FAMILY
+
+TURN_S = (6.0, 20.0)  # before the closest approach, where both turn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +35,49 @@ class Script:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Complication:
+    """What the intruder or its link does that straight and honest flight over a steady link does not prepare for.
+
+    All ranges are uniform; angles, changes of speed and jumps have a random sign. None leaves a thing out.
+
+    Parameters
+    ----------
+    bend_s : (float, float)
+        When a turn, a change of speed or a false announcement begins, before the planned closest approach. In the
+        default world up to 12 s are always within the safety zone.
+    turn_rad : (float, float) or None
+        Size of a turn that the intruder alone makes.
+    speed_change_mps : (float, float) or None
+        Change of its cruise speed, within the limits of cruise speeds; the autopilot makes a ramp of it.
+    announced_rad : (float, float) or None
+        Turn that its messages tell, velocity and next way point, while it flies straight on.
+    merging : bool
+        All intruders reach one point of the agent's path at one time, but for their miss distances, and go on along
+        the course of the first.
+    onset_s : (float, float)
+        When a jump or an outage begins, after the planned entry into the safety zone.
+    path_loss_jump : (float, float) or None
+        Lasting change of the link's true path loss factor.
+    outage_s : (float, float) or None
+        How long the link carries neither RSS nor messages.
+    """
+
+    bend_s: tuple[float, float] = (4.0, 12.0)
+    turn_rad: tuple[float, float] | None = None
+    speed_change_mps: tuple[float, float] | None = None
+    announced_rad: tuple[float, float] | None = None
+    merging: bool = False
+    onset_s: tuple[float, float] = (-5.0, 5.0)
+    path_loss_jump: tuple[float, float] | None = None
+    outage_s: tuple[float, float] | None = None
+
+    @property
+    def bends(self) -> bool:
+        """Whether the intruder's path needs a way point on its way."""
+        return self.merging or any((self.turn_rad, self.speed_change_mps, self.announced_rad))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Family:
     """A law of encounters, built from the planned closest approach backwards.
 
@@ -51,6 +98,8 @@ class Family:
         extrapolation fails; None flies straight.
     script : Script or None
         A hand-written encounter, which makes the ranges above void.
+    complication : Complication or None
+        What else the intruder or its link does; not together with `turn_rad`.
     """
 
     summary: str
@@ -60,15 +109,39 @@ class Family:
     offset_m: tuple[float, float] | None = None
     turn_rad: tuple[float, float] | None = None
     script: Script | None = None
+    complication: Complication | None = None
+
+    def __post_init__(self) -> None:
+        """Check that there is one law of turns."""
+        if self.turn_rad is not None and self.complication is not None:
+            raise ParamsError(f"turn_rad = {self.turn_rad} must be None beside a complication, which has its own")
+
+    @property
+    def definition(self) -> dict[str, Any]:
+        """Everything that a suite's hash covers, as plain types."""
+        fields = asdict(self)
+        if self.complication is None:  # the hashes of suites from before there were any stay
+            del fields["complication"]
+        return fields
 
     def record(self, horizontal_offset_m: float) -> np.void:
         """The family as the record that the sampler reads; `weight` is not yet cumulative."""
-        out = np.zeros(1, FAMILY)[0]
+        out, more = np.zeros(1, FAMILY)[0], self.complication or Complication(bend_s=TURN_S, turn_rad=self.turn_rad)
         out["weight"], out["conflict_share"] = self.weight or 1.0, self.conflict_share
         out["crossing_min_rad"], out["crossing_max_rad"] = self.crossing_rad
         out["offset_min_m"], out["offset_max_m"] = self.offset_m or (0.0, horizontal_offset_m)
-        out["turns"] = self.turn_rad is not None
-        out["turn_min_rad"], out["turn_max_rad"] = self.turn_rad or (0.0, 0.0)
+        out["bends"], out["merging"] = more.bends, more.merging
+        for name, unit, given in (
+            ("own_turn", "_rad", self.turn_rad),
+            ("bend", "_s", more.bend_s),
+            ("turn", "_rad", more.turn_rad),
+            ("speed_change", "_mps", more.speed_change_mps),
+            ("announced", "_rad", more.announced_rad),
+            ("onset", "_s", more.onset_s),
+            ("jump", "", more.path_loss_jump),
+            ("outage", "_s", more.outage_s),
+        ):
+            out[f"{name}_min{unit}"], out[f"{name}_max{unit}"] = given or (0.0, 0.0)
         if self.script is not None:
             out["scripted"], out["own_mps"], out["end_s"] = True, self.script.own_mps, self.script.end_s
             out["start_m"], out["velocity_mps"] = self.script.start_m, self.script.velocity_mps

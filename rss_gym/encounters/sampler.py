@@ -1,8 +1,8 @@
 """Draws one encounter: predefined trajectories built from the closest approach backwards.
 
-The origin is the planned closest approach of the first intruder. All paths are level polylines flown at a constant
-cruise speed; a draw that breaks a stated limit (closing speed, time, start range, an earlier and closer approach) is
-drawn again.
+The origin is the planned closest approach of the first intruder. All paths are level polylines, each leg flown at a
+constant cruise speed; a draw that breaks a stated limit (closing speed, time, start range, an earlier and closer
+approach) is drawn again.
 """
 
 from math import pi, sqrt
@@ -11,14 +11,19 @@ import numpy as np
 
 from rss_gym.jit import inner
 from rss_gym.physics.elementary import cos, sin
-from rss_gym.physics.geometry import least_square_separation
+from rss_gym.physics.geometry import least_square_separation, turned
 from rss_gym.physics.random import uniform
 from rss_gym.records import STREAM_SAMPLER
 
 ATTEMPTS = 20000
 FAMILY_ATTEMPTS = 1000  # then the family is drawn again: the agent's path, once laid, may leave no room for it
 DRAWS = 16  # uniforms reserved for one attempt of one intruder
-TURN_EARLIEST_S, TURN_LATEST_S = 20.0, 6.0  # before the closest approach
+
+
+@inner
+def between(u, low, high):
+    """A value uniform in [low, high], from one uniform `u`."""
+    return low + (high - low) * u
 
 
 @inner
@@ -30,22 +35,21 @@ def signed(u, low, high):
 
 
 @inner
-def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, turn_s, turn_rad):
-    """Predefined trajectory through (x, y, z) at `approach_s` with velocity (vx, vy), and one turn `turn_s` earlier.
+def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, bends, bend_s, wx, wy):
+    """Predefined trajectory through (x, y, z) at `approach_s` with velocity (vx, vy).
 
-    Writes the way points, the times they are due and the number of points; a zero turn leaves two points.
+    If it `bends`, there is a way point `bend_s` earlier, and the velocity was (wx, wy) before it. Writes the way
+    points, the times they are due and the number of points.
     """
     points = aircraft.path_m
     times = aircraft.path_s
     last = 1
-    if turn_rad != 0.0:
+    if bends:
         last = 2
-        points[1, 0], points[1, 1], points[1, 2] = x - vx * turn_s, y - vy * turn_s, z
-        times[1] = approach_s - turn_s
-        c, s = cos(turn_rad), sin(turn_rad)
-        wx, wy = vx * c + vy * s, vy * c - vx * s  # the velocity before the turn
-        points[0, 0] = points[1, 0] - wx * (approach_s - turn_s)
-        points[0, 1] = points[1, 1] - wy * (approach_s - turn_s)
+        points[1, 0], points[1, 1], points[1, 2] = x - vx * bend_s, y - vy * bend_s, z
+        times[1] = approach_s - bend_s
+        points[0, 0] = points[1, 0] - wx * (approach_s - bend_s)
+        points[0, 1] = points[1, 1] - wy * (approach_s - bend_s)
     else:
         points[0, 0], points[0, 1] = x - vx * approach_s, y - vy * approach_s
     points[0, 2], times[0] = z, 0.0
@@ -59,11 +63,12 @@ def lay_script(law, agent, intruder, altitude_m, heading_rad):
     """Predefined trajectories of a hand-written encounter, turned to `heading_rad`."""
     c, s = cos(heading_rad), sin(heading_rad)
     end_s = law.end_s
-    lay_path(agent, 0.0, 0.0, altitude_m, law.own_mps * c, law.own_mps * s, 0.0, end_s, 0.0, 0.0)
+    lay_path(agent, 0.0, 0.0, altitude_m, law.own_mps * c, law.own_mps * s, 0.0, end_s, False, 0.0, 0.0, 0.0)
     # Axes along and to the right of the heading.
     x, y = law.start_m[0] * c + law.start_m[1] * s, law.start_m[0] * s - law.start_m[1] * c
     v, w = law.velocity_mps[0], law.velocity_mps[1]
-    lay_path(intruder, x, y, altitude_m + law.start_m[2], v * c + w * s, v * s - w * c, 0.0, end_s, 0.0, 0.0)
+    vx, vy = v * c + w * s, v * s - w * c
+    lay_path(intruder, x, y, altitude_m + law.start_m[2], vx, vy, 0.0, end_s, False, 0.0, 0.0, 0.0)
 
 
 @inner
@@ -127,6 +132,14 @@ def start_separation_m(one, two):
 
 
 @inner
+def course(aircraft, speed_mps):
+    """Horizontal velocity at `speed_mps` in the direction of the last leg of a predefined trajectory."""
+    _, _, _, vx, vy, _ = planned(aircraft, aircraft.path_points - 2, 0.0)
+    scale = speed_mps / sqrt(vx * vx + vy * vy)
+    return vx * scale, vy * scale
+
+
+@inner
 def choose_law(u, families):
     """Index of the family that one uniform `u` falls to, by the cumulative weights."""
     index = 0
@@ -184,6 +197,7 @@ def draw(key, config, families, aircraft, intruders):
                 law_index = choose_law(uniform(key, STREAM_SAMPLER, at), families)
                 law = families[law_index]
                 conflict = uniform(key, STREAM_SAMPLER, at + 1) < law.conflict_share
+                intruder.law = law_index
             if law.scripted:
                 heading = 2.0 * pi * uniform(key, STREAM_SAMPLER, at + 2)
                 lay_script(law, agent, intruder, config.altitude_m, heading)
@@ -197,8 +211,15 @@ def draw(key, config, families, aircraft, intruders):
             horizontal, vertical = miss(
                 config, law, conflict, uniform(key, STREAM_SAMPLER, at + 5), uniform(key, STREAM_SAMPLER, at + 6)
             )
-            turn_s = TURN_LATEST_S + (TURN_EARLIEST_S - TURN_LATEST_S) * uniform(key, STREAM_SAMPLER, at + 7)
+            bend_s = between(uniform(key, STREAM_SAMPLER, at + 7), law.bend_min_s, law.bend_max_s)
             turn = signed(uniform(key, STREAM_SAMPLER, at + 8), law.turn_min_rad, law.turn_max_rad)
+            before = speed
+            if law.speed_change_max_mps > 0.0:
+                before += signed(
+                    uniform(key, STREAM_SAMPLER, at + 13), law.speed_change_min_mps, law.speed_change_max_mps
+                )
+                if before < config.cruise_min_mps or before > config.cruise_max_mps:
+                    continue
             # The agent's state at the closest approach: drawn with the first intruder, given for the others.
             if k == 0:
                 own_heading = 2.0 * pi * uniform(key, STREAM_SAMPLER, at + 9)
@@ -209,6 +230,8 @@ def draw(key, config, families, aircraft, intruders):
                 # The same law of time; the agent's leg at that time gives its position and heading.
                 square = own_speed * own_speed + speed * speed - 2.0 * own_speed * speed * cos(crossing)
                 own_s = start_m / sqrt(max(square, config.closing_min_mps * config.closing_min_mps))
+                if law.merging:
+                    own_s = first_approach_s
                 ox, oy, oz, ovx, ovy, _ = planned(agent, leg_at(agent, 0, own_s), own_s)
             c, s = cos(crossing), sin(crossing)
             ux, uy = ovx / own_speed, ovy / own_speed
@@ -225,13 +248,24 @@ def draw(key, config, families, aircraft, intruders):
             iz = oz + vertical
             own_end_s = approach_s + config.tail_s
             if k == 0:
-                own_turn_s = TURN_LATEST_S + (TURN_EARLIEST_S - TURN_LATEST_S) * uniform(key, STREAM_SAMPLER, at + 11)
-                own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.turn_min_rad, law.turn_max_rad)
+                own_bend_s = between(uniform(key, STREAM_SAMPLER, at + 11), law.bend_min_s, law.bend_max_s)
+                own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
+                wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
                 lay_path(
-                    agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s, min(own_turn_s, 0.6 * approach_s), own_turn
-                )
+                    agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s,
+                    own_turn != 0.0, min(own_bend_s, 0.6 * approach_s), wx, wy,
+                )  # fmt: skip
             ivx, ivy = speed * dx, speed * dy
-            lay_path(intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s, min(turn_s, 0.6 * approach_s), turn)
+            if law.merging:  # the way point is the closest approach
+                wx, wy, bend_s = ivx, ivy, 0.0
+                if k > 0:
+                    ivx, ivy = course(aircraft[1], speed)
+            else:
+                wx, wy = turned(ivx * (before / speed), ivy * (before / speed), cos(turn), sin(turn))
+            lay_path(
+                intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s,
+                law.bends, min(bend_s, 0.6 * approach_s), wx, wy,
+            )  # fmt: skip
             if not within_limits(config, agent, intruder, horizontal * horizontal + vertical * vertical, own_end_s):
                 continue
             accepted = True

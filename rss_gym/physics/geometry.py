@@ -1,4 +1,4 @@
-"""Separation of two points in straight relative motion over one tick, in closed form."""
+"""Vectors, and the separation of two points in straight relative motion, in closed form."""
 
 from math import sqrt
 
@@ -15,6 +15,23 @@ def assign(to, source):
 def zero(to):
     """Set the three components of a vector to zero."""
     to[0] = to[1] = to[2] = 0.0
+
+
+@kernel(inline="always")
+def turned(x, y, c, s):
+    """A horizontal vector turned to the right by the angle of cosine `c` and sine `s`."""
+    return x * c + y * s, y * c - x * s
+
+
+@kernel
+def entry_s(x, y, z, vx, vy, vz, radius_m):
+    """Time >= 0 at which |r + v t| first is `radius_m`, s; without one, that of the least separation."""
+    approach = -(x * vx + y * vy + z * vz)
+    speed_squared = vx * vx + vy * vy + vz * vz
+    if speed_squared == 0.0:
+        return 0.0
+    discriminant = approach * approach - speed_squared * (x * x + y * y + z * z - radius_m * radius_m)
+    return max(0.0, (approach - sqrt(max(discriminant, 0.0))) / speed_squared)
 
 
 @kernel(inline="always")

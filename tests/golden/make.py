@@ -29,6 +29,9 @@ CASES = {
     "channels": (PLANE, {"channel": ["quadcopter", "wifi-walk", "ble-indoor", "clean"]}),
     "poor radio": (PLANE, {"channel": {"packet_loss": 0.3, "quantisation_db": 1.0, "sensitivity_dbm": -95.0}}),
     "fine clock": (PLANE, {"tick_s": 0.05, "decision_s": 0.2, "tail_s": 5.0}),
+    **{name: (PLANE, {"families": name}) for name in ("late-turn", "accelerating", "deceitful")},
+    **{name: (PLANE, {"families": name}) for name in ("path-loss-jump", "outage")},
+    "merging": (PLANE, {"families": "merging", "intruders": 8, "intruders_min": 2}),
 }
 
 

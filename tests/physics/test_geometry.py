@@ -1,4 +1,4 @@
-"""Closed-form separation inside one tick against fine steps by brute force."""
+"""Closed forms of vectors and separation against NumPy and fine steps by brute force."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from rss_gym.params import Params
-from rss_gym.physics.geometry import enters_cylinder, least_square_separation
+from rss_gym.physics.geometry import enters_cylinder, entry_s, least_square_separation, turned
 
 STEPS = 2001
 ZONE = Params().zone
@@ -130,3 +130,28 @@ def test_a_collision_is_an_snmac(r, v):
     assert HALF_HEIGHT >= ZONE.collision_m
     if least_square_separation(*r, *v, 0.1) < ZONE.collision_m**2:
         assert enters_cylinder(*r, *v, 0.1, RADIUS, HALF_HEIGHT)
+
+
+@given(LENGTHS, LENGTHS, st.floats(-np.pi, np.pi))
+def test_turned_is_a_rotation_to_the_right(x, y, angle_rad):
+    turn = complex(x, y) * np.exp(-1j * angle_rad)
+    assert turned(x, y, np.cos(angle_rad), np.sin(angle_rad)) == pytest.approx(
+        (turn.real, turn.imag), abs=1e-12 * (abs(x) + abs(y)) + 1e-300
+    )
+
+
+@given(st.tuples(LENGTHS, LENGTHS, LENGTHS), st.tuples(SPEEDS, SPEEDS, SPEEDS))
+@example((150.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+@example((150.0, 0.0, 0.0), (-5.0, 0.0, 0.0))
+@example((10.0, 0.0, 0.0), (5.0, 0.0, 0.0))
+def test_entry_is_the_first_time_within_the_radius(r, v):
+    assume(np.linalg.norm(v) == 0.0 or np.linalg.norm(v) > 0.01)
+    time_s, radius = entry_s(*r, *v, ZONE.radius_m), ZONE.radius_m
+    assert 0.0 <= time_s < np.inf
+    reached = np.linalg.norm(np.add(r, np.multiply(v, time_s)))
+    least = np.sqrt(least_square_separation(*r, *v, 1e6))
+    if np.linalg.norm(r) <= radius or np.dot(r, v) >= 0.0:
+        assert time_s == pytest.approx(0.0, abs=1e-3)  # inside, or never nearer than now
+    else:
+        assert reached == pytest.approx(max(radius, least), rel=1e-6)
+        assert (_path(r, v, time_s)[:-1] ** 2).sum(axis=1).min() >= (reached * (1.0 - 1e-6)) ** 2
