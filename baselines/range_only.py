@@ -6,7 +6,8 @@ other; what the agent flies tells them apart, as its turns and displacements cha
 An outage is not told apart from reception: the range that the link's filter holds in silence counts as measured. On
 family `outage` the mean NEES of the position is 1.4 in the silence and 2.4 after it, where 2 is right (`orthogonal`,
 256 training encounters, seeds from 7,000,000). Banks that only moved in the silence had 1.1 and 1.9, and no fewer
-collisions: of 600 encounters (`suite`, seed 3) 22, 8 and 21 with `orthogonal`, `orca` and `mvp`, against 15, 5 and 19.
+collisions: of 600 encounters (`suite`, seed 3) 22, 8 and 21 with `orthogonal`, `orca` and
+`mvp:radius_m=30,lookahead_s=40`, against 15, 5 and 19.
 """
 
 from __future__ import annotations
