@@ -83,7 +83,7 @@ def parse(spec: str) -> Parsed:
     Raises
     ------
     ParamsError
-        For an unknown name, track or option, or a value that is not a number.
+        For an unknown name, track or option, an option given twice, or a value that is not a number.
     """
     own, _, base = re.sub(r"\+(?=[A-Za-z])", "\n", spec, count=1).partition("\n")  # not the plus of 1e+2
     head, _, text = own.partition(":")
@@ -101,6 +101,8 @@ def parse(spec: str) -> Parsed:
         if key not in known:
             hint = suggestion(key, known) if known else "; it has none"
             raise ParamsError(f"policy {rule!r} has no option {key!r}{hint}")
+        if key in options:
+            raise ParamsError(f"option {key!r} of policy {rule!r} is given twice")
         try:
             options[key] = float(value)
         except ValueError:
@@ -144,9 +146,9 @@ def make(spec: str, params: Params | None = None) -> Scripted:
         raise ParamsError(f"policy {spec!r}: {parsed.rule!r} flies in space only, got a world with planar = True")
     try:
         options: dict[str, Any] = parsed.options | ({"base": base} if base else {})
-        policy: Scripted = kind(**options)
+        policy: Scripted = kind(world=world, **options)
         if track == RANGE and policy.reads_positions:
-            policy = RangeOnly(rule=policy)
+            policy = RangeOnly(world=world, rule=policy)
         return dataclasses.replace(policy, world=Params.of(world, track=track, **policy.interface()))
     except ParamsError as error:
         raise ParamsError(f"policy {spec!r}: {error}") from error

@@ -15,7 +15,7 @@ from rss_gym.baselines.located import Others, vectors
 from rss_gym.baselines.velocity_rule import VelocityRule
 from rss_gym.core import decode
 from rss_gym.jit import kernel
-from rss_gym.params import Params, number
+from rss_gym.params import Params, ParamsError, number
 
 
 @kernel
@@ -54,12 +54,29 @@ class Cbf(VelocityRule):
         The policy that is filtered, with `predict` on the same observations: on the same track, any kind of action.
     base_world : Params, optional
         The world of its actions, if it has no `world` of its own.
+
+    Raises
+    ------
+    ParamsError
+        For a base without `predict`, or without a world of its own or given.
     """
 
     rate_ps: float = number(0.5, 0.01, 10.0)
     response_s: float = number(1.0, 0.01, 10.0)
     base: Any = None
     base_world: Params | None = None
+
+    def __post_init__(self) -> None:
+        """Check that the policy to be filtered acts, and that it is known in what world."""
+        super().__post_init__()
+        if self.base is None:
+            return
+        if not callable(getattr(self.base, "predict", None)):
+            raise ParamsError(f"base = {type(self.base).__name__} must have a method `predict`, as SB3's policies have")
+        if not isinstance(self.base_world or getattr(self.base, "world", None), Params):
+            raise ParamsError(
+                f"base = {type(self.base).__name__} says nothing of its actions: give base_world, the Params it acts in"
+            )
 
     def predict(
         self, observation_: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True

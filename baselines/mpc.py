@@ -67,6 +67,8 @@ def _steer(
 class Mpc(Scripted):
     """Predictive regulator of (42): the cheapest of enumerated way points over a horizon, chosen anew each decision.
 
+    Told to it: what a `VelocityRule` is told, and the own deviation from the predefined trajectory.
+
     Parameters
     ----------
     radius_m : float

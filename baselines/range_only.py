@@ -2,6 +2,12 @@
 
 A bank opens with the first message of a warning and lives until the episode ends. It holds both mirror images of the
 other; what the agent flies tells them apart, as its turns and displacements change the relative velocity.
+
+An outage is not told apart from reception: the range that the link's filter holds in silence counts as measured. On
+family `outage` the mean NEES of the position is 1.4 in the silence and 2.4 after it, where 2 is right (`orthogonal`,
+256 training encounters, seeds from 7,000,000). Banks that only moved in the silence had 1.1 and 1.9, and no fewer
+collisions: of 600 encounters (`suite`, seed 3) 22, 8 and 21 with `orthogonal`, `orca` and
+`mvp:radius_m=30,lookahead_s=40`, against 15, 5 and 19.
 """
 
 from __future__ import annotations
@@ -122,7 +128,10 @@ class RangeOnly(Scripted):
         return ROW + self.world.encounter.intruders * WIDTH
 
     def models(self) -> np.ndarray:
-        """What a bank knows of each channel of the world, records `ranging.bank.MODEL`."""
+        """What a bank knows of each channel of the world, records `ranging.bank.MODEL`.
+
+        An observation tells channels apart by their path loss factors; of two with one factor the first is taken.
+        """
         world, clock, nav = self.world, self.world.clock, self.world.navigation
         out = np.zeros(len(world.channels), banks.MODEL)
         for model, channel in zip(out, world.channels, strict=True):

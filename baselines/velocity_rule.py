@@ -24,6 +24,9 @@ class VelocityRule(Scripted):
     is 1.6-1.8 m/s from the planned one (12 encounters a rule). A displacement has the way point dash at its greatest
     speed and then wait, within every decision.
 
+    Told to it: the own velocity and way point; of each other, while its warning is open, the position and velocity of
+    its messages, their age, and the range's standard deviation.
+
     Parameters
     ----------
     radius_m : float

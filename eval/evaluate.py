@@ -93,16 +93,12 @@ def evaluate(
     """
     base = find(suite) if isinstance(suite, str) else suite
     flown = base.changed(**changes)
+    given, entries, reference = _prepared(policy, flown, reference)
     count = base.episodes if episodes is None else episodes
     first_seed = base.seed if seed is None else checked_seed(seed)
     for name, value in (("episodes", count), ("workers", workers), ("block", block)):
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
             raise ParamsError(f"{name} must be a whole number >= 1, got {value!r}")
-    given = _given(policy, flown.params)
-    entries = _entries(given, flown)
-    reference = reference or entries[1 if len(entries) > 1 else 0].name
-    if reference not in [item.name for item in entries]:
-        raise ParamsError(f"reference {reference!r} is not among the policies flown")
     # As many blocks for each worker, all of nearly one size.
     size = math.ceil(count / (workers * math.ceil(count / (workers * block))))
     starts = range(0, count, size)
@@ -119,6 +115,28 @@ def evaluate(
                 table[first : first + len(part)] = part
             bar.update(len(parts[0]) * len(entries))
     return score(flown, first_seed, entries, tables, reference, official=_official(base, flown, first_seed, count))
+
+
+def check(policy: Any, suite: str, reference: str | None = None, **changes: Any) -> None:
+    """Refuse the policies that `evaluate` would, without a flight; parameters as there.
+
+    Raises
+    ------
+    ParamsError
+    """
+    _prepared(policy, find(suite).changed(**changes), reference)
+
+
+def _prepared(
+    policy: Any, suite: Suite, reference: str | None
+) -> tuple[list[tuple[str | None, Any]], list[Entry], str]:
+    """The policies as given and as entries, and which of them the others are compared with."""
+    given = _given(policy, suite.params)
+    entries = _entries(given, suite)
+    reference = reference or entries[1 if len(entries) > 1 else 0].name
+    if reference not in [item.name for item in entries]:
+        raise ParamsError(f"reference {reference!r} is not among the policies flown")
+    return given, entries, reference
 
 
 def score(

@@ -73,7 +73,7 @@ class Row:
     @property
     def shipped(self) -> bool:
         """Whether the specification alone says which policy it is."""
-        return self.spec.partition(":")[0] in baselines.POLICIES
+        return baselines.is_known(self.spec)
 
     def candidate(self) -> ranking.Candidate:
         """What the ranking needs."""

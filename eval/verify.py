@@ -223,7 +223,7 @@ def entries_of(
 
 
 def _built(policy: Policy, suite: Suite, trust: bool) -> Entry:
-    if policy.spec.partition(":")[0] not in baselines.POLICIES and ":" in policy.spec and not trust:
+    if ":" in policy.spec and not baselines.is_known(policy.spec) and not trust:
         raise ParamsError(f"{policy.spec!r} is code, which runs only when trusted (--trust)")
     try:
         return entry(policy.spec, suite.params, policy.name)

@@ -132,6 +132,7 @@ def _list(options: argparse.Namespace) -> None:
 
 def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import records, report, text
+    from rss_gym.eval.evaluate import check
     from rss_gym.files import check_new, new_folder
     from rss_gym.params import ParamsError
 
@@ -146,6 +147,8 @@ def _eval(options: argparse.Namespace) -> None:
     if len(tracks) < 2:
         results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
     else:
+        for track in tracks:  # before hours are flown on the first
+            check(options.policy, options.suite, options.reference, **changes, track=track)
         with new_folder(out) as folder:
             results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
     if options.json:

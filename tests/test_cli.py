@@ -1,5 +1,6 @@
 """The command line: listings, scores, bad input."""
 
+import importlib
 import json
 import os
 import subprocess
@@ -58,6 +59,14 @@ def test_all_on_several_tracks(capsys, tmp_path):
         able = {name for name, kind in POLICIES.items() if track in kind.tracks and not kind.in_space}
         assert set(flown) == able and set(flown.values()) == {track}
     assert "orca" in flown and "modified-orthogonal" in flown
+
+
+def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(capsys, tmp_path, monkeypatch):
+    module = importlib.import_module("rss_gym.eval.evaluate")  # its name in the package is the function's
+    monkeypatch.setattr(module, "fly_blocks", lambda *_: pytest.fail("flown"))
+    arguments = ["--policy", "cbf+none", "--track", "paper", "range", "--out", str(tmp_path / "run")]
+    status, out, err = run(capsys, "eval", *arguments)
+    assert status == 2 and not out and "cannot fly on track 'range'" in err and not list(tmp_path.iterdir())
 
 
 def test_the_demo_flies_the_rule_over_its_radius(capsys, tmp_path, monkeypatch):

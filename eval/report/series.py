@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rss_gym.baselines import parse
 from rss_gym.eval.evaluate import NOMINAL, Result
 from rss_gym.eval.report import curves
 from rss_gym.eval.report.curves import Curve
@@ -31,6 +32,6 @@ def of(result: Result) -> Series:
         if entry.name == NOMINAL:
             classes.append("nominal")
             continue
-        rule = spec.partition(":")[0] if spec is not None and index in on_curve else f":{entry.name}"
+        rule = parse(spec).name if spec is not None and index in on_curve else f":{entry.name}"
         classes.append(colours.setdefault(rule, f"c{len(colours) % COLOURS}"))
     return Series(tuple(found), tuple(classes))

@@ -11,9 +11,8 @@ from rss_gym.jit import kernel
 
 # BlueSky takes 10 m of a zone of 5 nautical miles for a head-on, where the offset has no direction.
 HEAD_ON_SHARE = 10.0 / 9260.0
-LEAST_ETA = (
-    0.1  # to the other side than the offset's the turn may be a right angle or more, which no finite change makes
-)
+# To the other side than the offset's the turn may be a right angle or more, which no finite change makes.
+LEAST_ETA = 0.1
 
 
 @kernel

@@ -19,7 +19,6 @@ LEAST_LOG_WEIGHT = -40.0  # below the best: no hypothesis is given up for good
 predict, update, open_covariance = bearing.predict, bearing.update, bearing.open_covariance
 held_dbm, held_variance_db2 = bearing.held_dbm, bearing.held_variance_db2
 
-
 MODEL = np.dtype(
     [
         (name, np.float64)
@@ -90,11 +89,8 @@ def start(bank, range_m, range_std_m, coloured_db, vx, vy, model):
         xx, xy, yy = across + more * nx * nx, more * nx * ny, across + more * ny * ny
         p = xx, xy, p_dp * nx, 0.0, yy, p_dp * ny, 0.0, p_pp, 0.0, model.factor_variance
         store(bank[k], c, p)
-        closing, blur, miss_m = (
-            -speed * forth,
-            model.closing_std_mps,
-            d * right * speed / (speed + model.closing_std_mps),
-        )
+        closing, blur = -speed * forth, model.closing_std_mps
+        miss_m = d * right * speed / (speed + blur)
         bank[k, WEIGHT] = log(closing + sqrt(closing * closing + blur * blur)) - 0.5 * (miss_m / model.miss_std_m) ** 2
 
 

@@ -37,9 +37,8 @@ def test_closest_approach_is_the_least_of_all_times(x, y, vx, vy):
 def test_the_new_velocity_passes_at_the_radius(radius_m, radii, share, t, side):
     distance, miss = radius_m * radii, radius_m * share
     assume(abs(share) > 0.02)
-    wanted = (
-        side if side else -np.sign(miss)
-    )  # as the other is at +x, flown towards: to its left if the offset is right
+    # The other is at +x, flown towards: it is passed to its left if the offset is to the right.
+    wanted = side or -np.sign(miss)
     turn = np.arcsin(1.0 / radii) + wanted * np.arcsin(miss / distance)
     assume(turn < 1.4)  # less than a right angle
     along = np.sqrt(distance**2 - miss**2)

@@ -49,10 +49,8 @@ def test_equals_the_library(count):
         own, preferred = generator.uniform(-3.5, 3.5, (2, 2))
         radius_m, lookahead_s = generator.uniform(5, 60), generator.uniform(2, 30)
         planes = half_planes(others, own, radius_m, lookahead_s)
-        ours, theirs = (
-            nearest_velocity(planes, SPEED_MPS, preferred),
-            library(others, own, preferred, radius_m, lookahead_s),
-        )
+        ours = nearest_velocity(planes, SPEED_MPS, preferred)
+        theirs = library(others, own, preferred, radius_m, lookahead_s)
         gaps.append(np.abs(ours - theirs).max())
         assert np.hypot(*ours) <= SPEED_MPS + 1e-9
         assert outside(planes, ours) <= max(outside(planes, theirs), 0.0) + 3e-5

@@ -174,13 +174,14 @@ def test_the_filter_keeps_a_policy_that_does_not_look_from_colliding():
     assert collisions["cbf+constant:right_m=12"] <= 1
 
 
+class Idle:
+    """A discrete policy, without a world, that keeps a state of its own kind."""
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        return np.zeros(np.shape(observation)[:-1], int), (state or 0) + 1
+
+
 def test_the_filter_takes_any_object():
-    class Idle:
-        """A discrete policy with a state of its own kind."""
-
-        def predict(self, observation, state=None, episode_start=None, deterministic=True):
-            return np.zeros(np.shape(observation)[:-1], int), (state or 0) + 1
-
     world = Params.of()
     policy = Cbf(base=Idle(), base_world=Params.of(action="discrete"), world=Params.of(action="velocity"))
     batch = Batch(world, 5)
@@ -191,6 +192,12 @@ def test_the_filter_takes_any_object():
     np.testing.assert_array_equal(actions, again)
     np.testing.assert_array_equal(single, actions[2])
     assert state[1] == 2 and isinstance(policy.base, Idle) and not isinstance(policy.base, Nothing)
+
+
+@pytest.mark.parametrize(("base", "words"), [(object(), "predict"), (Idle(), "base_world")])
+def test_a_base_that_cannot_be_filtered_is_refused(base, words):
+    with pytest.raises(ParamsError, match=words):
+        Cbf(base=base)
 
 
 # Specifications
@@ -218,6 +225,7 @@ def test_a_track_is_part_of_the_name():
         ("cbf+modified-orthogonal", ["track 'range'"]),
         ("cbf+nonsense", ["'nonsense'", "unknown"]),
         ("cbf:base=1", ["no option 'base'"]),
+        ("orca:radius_m=9,radius_m=12", ["'radius_m'", "'orca'", "twice"]),
         ("orca:radius_m=121", ["121", "zone radius 120"]),
         ("mpc:radius_m=121", ["121", "zone radius 120"]),
         ("mpc:lookahead_s=0", ["lookahead_s", "0.0"]),
@@ -228,3 +236,15 @@ def test_bad_specifications_are_refused_in_one_sentence(spec, words):
         baselines.make(spec)
     for word in words:
         assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("name", RULES)
+@pytest.mark.parametrize("track", ["paper", "range"])
+def test_the_radius_is_held_against_the_zone_of_the_world_flown_in(name, track):
+    """A longer reaction makes a zone of 200 m; 150 m are too much for the default one of 120 m."""
+    world = Params.of(reaction_s=2.0)
+    assert world.zone.radius_m == 200.0
+    policy = baselines.make(f"{name}@{track}:radius_m=150", world)
+    assert policy.world.zone.radius_m == 200.0
+    with pytest.raises(ParamsError, match="zone radius 200"):
+        baselines.make(f"{name}@{track}:radius_m=201", world)

@@ -210,6 +210,13 @@ def test_code_of_one_name_and_other_flights_is_listed_twice(tmp_path):
     assert any("mine (record 2) is left out" in note for note in notes)
 
 
+def test_a_rule_on_another_track_is_one_policy_over_other_encounters_too(runs, tmp_path):
+    """Of whatever is not the package's, both rows are listed."""
+    other = scored(["orthogonal@oracle"], tmp_path / "other", suite="smoke-v0", episodes=20, seed=9)
+    notes = build([runs["official"], other], tmp_path / "site").notes
+    assert [note for note in notes if note.startswith("orthogonal@oracle") and "is left out" in note]
+
+
 def test_records_that_contradict_each_other_are_refused(runs, tmp_path):
     """A record whose flights of the rule are those of another rule, with metrics that fit."""
     run = scored({"none": "none", "orthogonal": "orthogonal:radius_m=20"}, tmp_path / "run", suite="smoke-v0")

@@ -80,6 +80,14 @@ def test_a_true_record_is_verified(sound):
     assert "NOT flown again: mine" in text and text.endswith("nothing differs")
 
 
+def test_a_policy_of_the_package_needs_no_trust_however_it_is_named(tmp_path):
+    """Track, options and another policy may stand behind its name."""
+    names = ["none", "orca@oracle:radius_m=12", "cbf:radius_m=9+orthogonal:radius_m=60"]
+    folder = save(evaluate(names, episodes=10, progress=False), tmp_path / "run")
+    verdict = verify(folder)
+    assert verdict.verified and verdict.flown == dict.fromkeys(names, 10) and not verdict.not_flown
+
+
 def test_all_of_it_by_workers(sound):
     verdict = verify(sound, every=True, trust=True, workers=2)
     assert verdict.verified and verdict.flown == {"none": N, "orthogonal": N, "mine": N}
