@@ -1,13 +1,16 @@
-"""Policies behind one protocol, SB3's `predict`, by name: `make("orthogonal:radius_m=60", params)`.
+"""Policies behind one protocol, SB3's `predict`.
 
-A new policy is one file and one line in `POLICIES`.
+Scripted ones go by name, `make("orthogonal:radius_m=60", params)`, learned ones by their folder,
+`make("runs/ppo/agent", params)`. A new scripted policy is one file and one line in `POLICIES`.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import os
 from typing import Any
 
+from rss_gym.baselines.agent import DOCUMENT, Agent, load
 from rss_gym.baselines.blind import Blind, Constant
 from rss_gym.baselines.modified_orthogonal import ModifiedOrthogonal
 from rss_gym.baselines.orthogonal import Orthogonal, OrthogonalOracle
@@ -15,7 +18,9 @@ from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.params import Params, ParamsError, suggestion
 
-__all__ = ["POLICIES", "Policy", "describe", "make"]
+__all__ = ["POLICIES", "Policy", "describe", "is_code", "is_folder", "make"]
+
+PICKLED = (".zip", ".pkl", ".pt", ".pth")  # files whose reading runs code from them
 
 POLICIES: dict[str, type[Scripted]] = {
     "none": Nothing,
@@ -30,22 +35,42 @@ POLICIES: dict[str, type[Scripted]] = {
 }
 
 
-def make(spec: str, params: Params | None = None) -> Scripted:
-    """The policy that `name` or `name:option=value,option=value` describes.
+def is_folder(spec: str) -> bool:
+    """Whether a specification is the folder of a learned policy; a name of `POLICIES` never is."""
+    # os.path never raises for a name that is too long.
+    return spec.partition(":")[0] not in POLICIES and os.path.isfile(os.path.join(spec, DOCUMENT))
+
+
+def is_code(spec: str) -> bool:
+    """Whether a specification is `module:attribute`, which runs code of that module."""
+    name, colon, _ = spec.partition(":")
+    return bool(colon) and name not in POLICIES and not is_folder(spec) and not spec.endswith(PICKLED)
+
+
+def make(spec: str, params: Params | None = None) -> Scripted | Agent:
+    """The policy that `name`, `name:option=value,option=value` or a folder describes.
 
     Parameters
     ----------
     spec : str
-        A name of `POLICIES` with options, all numbers in SI.
+        A name of `POLICIES` with options, all numbers in SI; or a folder with `policy.json`.
     params : Params, optional
         The world; the policy's own `world` is this with the interface that the policy declares.
 
     Raises
     ------
     ParamsError
-        For an unknown name or option, a value that is not a number or out of range, or a contradiction with the world.
+        For an unknown name or option, a value that is not a number or out of range, a contradiction with the world, or
+        a folder that `rss_gym.baselines.agent.load` refuses.
     """
     name, _, text = spec.partition(":")
+    if is_folder(spec):
+        return load(spec, params)
+    if spec.endswith(PICKLED):
+        raise ParamsError(
+            f"policy {spec!r} is a file whose reading runs code from it: make a policy folder of it with "
+            "`rss-gym export` and name that"
+        )
     if name not in POLICIES:
         raise ParamsError(f"policy {name!r} is unknown{suggestion(name, POLICIES)}")
     kind = POLICIES[name]

@@ -20,12 +20,17 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
     ParamsError
         If it cannot be written.
     """
+    return write_bytes(path, text.encode("utf-8", errors="replace"))
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
+    """As `write_text`."""
     target = Path(path)
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:80]}-", dir=target.parent)
         try:
-            with os.fdopen(handle, "w", encoding="utf-8", errors="replace", newline="\n") as file:
-                file.write(text)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
             os.chmod(temporary, 0o644)
             os.replace(temporary, target)
         except BaseException:
@@ -59,6 +64,41 @@ def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
             shutil.rmtree(temporary, ignore_errors=True)
     except OSError as error:
         raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
+
+
+@contextmanager
+def replaced_folder(target: Path) -> Iterator[Path]:
+    """A temporary folder that takes the place of `target` when the block ends without an error.
+
+    A process that is killed leaves the old folder or the new one, and perhaps temporary ones: `tidy` removes these, and
+    puts the old folder back if the end came between the two renames.
+    """
+    old = _aside(target)
+    with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as temporary:
+        new = Path(temporary) / target.name
+        new.mkdir()
+        yield new
+        if target.exists():
+            target.rename(old)
+        new.rename(target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def tidy(parent: Path, *names: str) -> None:
+    """Clear what a killed process left of the files and replaced folders `names` in `parent`."""
+    for name in names:
+        old = _aside(parent / name)
+        if old.exists() and not (parent / name).exists():
+            old.rename(parent / name)
+        for left in (old, *parent.glob(f".{name}-*")):
+            if left.is_dir():
+                shutil.rmtree(left)
+            else:
+                left.unlink(missing_ok=True)
+
+
+def _aside(target: Path) -> Path:
+    return target.with_name(f".{target.name}.old")
 
 
 def check_new(out: str | os.PathLike[str]) -> Path:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym import observation
-from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Network, load
+from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Agent, Network, load
 from rss_gym.core import Batch, decode
 from rss_gym.files import new_folder
 from rss_gym.params import Params, ParamsError
@@ -75,7 +75,8 @@ def export(
     Returns
     -------
     float
-        Greatest difference between the folder's actions and SB3's on observations of 1,000 decisions.
+        Greatest difference between the folder's actions and SB3's on observations of 1,000 decisions; the training
+        record holds it too, as `difference`.
 
     Raises
     ------
@@ -84,6 +85,31 @@ def export(
     """
     from safetensors.numpy import save
 
+    document, tensors = _described(model, world, normalisation, stack)
+    with new_folder(out) as folder:
+        _write_document(folder, document)
+        (folder / WEIGHTS).write_bytes(save(tensors))
+        difference = compare(model, folder, world, normalisation)
+        if not difference <= TOLERANCE:
+            raise ParamsError(
+                f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
+                f"{TOLERANCE:g} is allowed, so nothing was written"
+            )
+        _write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
+    return difference
+
+
+def agent(model: Any, world: Params, normalisation: Normalisation | None = None, stack: int = 1) -> Agent:
+    """The policy that `export` would write, in memory; for the parameters and errors see there."""
+    document, tensors = _described(model, world, normalisation, stack)
+    network = Network(**document["network"])
+    return Agent(network, {name: tensor.astype(np.float64) for name, tensor in tensors.items()}, world, document, "")
+
+
+def _described(
+    model: Any, world: Params, normalisation: Normalisation | None, stack: int
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """`policy.json` without the training record, and the tensors of `policy.safetensors`."""
     network, tensors = _taken(model, normalisation, stack)
     fields = observation.fields(world)
     axes = 2 if world.encounter.planar else 3
@@ -99,18 +125,13 @@ def export(
         "network": dataclasses.asdict(network),
         "interface": world.interface.to_dict(),
         "observation": [field.name for field in fields],
-        "training": training or {},
+        "training": {},
     }
-    with new_folder(out) as folder:
-        (folder / DOCUMENT).write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        (folder / WEIGHTS).write_bytes(save({name: tensors[name] for name in shapes}))
-        difference = compare(model, folder, world, normalisation)
-        if not difference <= TOLERANCE:
-            raise ParamsError(
-                f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
-                f"{TOLERANCE:g} is allowed, so nothing was written"
-            )
-    return difference
+    return document, {name: tensors[name] for name in shapes}
+
+
+def _write_document(folder: Path, document: dict[str, Any]) -> None:
+    (folder / DOCUMENT).write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def compare(model: Any, folder: Path, world: Params, normalisation: Normalisation | None = None) -> float:
@@ -149,7 +170,7 @@ def _taken(model: Any, normalisation: Normalisation | None, stack: int) -> tuple
     if len(model.action_space.shape) != 1:
         raise ParamsError(f"an action space {model.action_space} cannot be exported; continuous actions can")
     linear, activation = _split(hidden, kind)
-    tensors = {}
+    tensors: dict[str, np.ndarray] = {}
     for index, layer in enumerate([*linear, last]):
         tensors |= {f"{index}.weight": _array(layer.weight).T, f"{index}.bias": _array(layer.bias)}
     units = 0
