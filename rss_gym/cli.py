@@ -23,7 +23,8 @@ DEMO_POLICIES = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit status, 2 for bad input."""
-    options = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    options = _parser().parse_args(given, argparse.Namespace(given=given))
     from rss_gym.params import ParamsError
 
     try:
@@ -190,12 +191,11 @@ def _train(options: argparse.Namespace) -> int:
     changes |= {key: value for key, value in short.items() if value is not None}
     try:
         if options.resume is None:
-            for name in ("recipe", "out"):
-                if getattr(options, name) is None:
-                    shipped = ", ".join(recipe.recipes())
-                    raise ParamsError(f"name a recipe and --out, or --resume a run; shipped recipes: {shipped}")
-            chosen, seeds = recipe.load(options.recipe, changes), 1 if options.seeds is None else options.seeds
-            run.start(chosen, options.out, seeds, options.workers, command=sys.argv[1:])
+            if options.recipe is None or options.out is None:
+                shipped = ", ".join(recipe.recipes())
+                raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
+            seeds = 1 if options.seeds is None else options.seeds
+            run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
         else:
             if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
                 raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")

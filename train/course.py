@@ -50,6 +50,7 @@ class Course(VecEnvWrapper):
 
     def begin(self, numbers: np.ndarray) -> None:
         """Let the rows fly these episodes after the next reset."""
+        self.venv.batch.numbers[:] = numbers
         self.venv.seed(self.first_seed)
         self.venv.set_options([{"episode": int(number)} for number in numbers])
 

@@ -8,7 +8,7 @@ import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -86,12 +86,12 @@ class Learner:
 
     @classmethod
     def saved(cls, recipe: Recipe, seed: int, folder: Path) -> Learner:
-        """As `save` left it, with new episodes in all rows; a replay buffer starts empty. Runs no code of the file."""
+        """As `save` left it, with new episodes in all rows and an empty replay buffer. Runs no code of the file."""
         learner = cls.new(recipe, seed)
         try:
             state = json.loads((folder / STATE).read_text(encoding="utf-8"))
             _, weights, variables = load_from_zip_file(folder / MODEL, device="cpu", load_data=False)
-            model = learner.model
+            model: Any = learner.model
             model.set_parameters(weights, device="cpu")
             for name, tensor in (variables or {}).items():
                 getattr(model, name).data = tensor.data
@@ -105,6 +105,8 @@ class Learner:
                 statistics.count = table["count"]
         except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
             raise ParamsError(f"checkpoint {str(folder)!r} cannot be read: {' '.join(str(error).split())}") from error
+        if isinstance(recipe.hyperparameters, Sac):
+            model.gradient_steps = 0  # until `look_at_buffer` finds enough in it
         # Other draws than those before the end by force, which the same seed would repeat.
         set_random_seed((seed + model.num_timesteps) % 2**32)
         return learner
@@ -149,10 +151,16 @@ class Learner:
         """Write it as a policy folder; see `rss_gym.train.export.export`."""
         return export.export(self.model, self.recipe.params, out, self.normalisation, self.recipe.vec.stack, training)
 
+    def look_at_buffer(self) -> None:
+        """Let a model whose replay buffer was empty learn on once it holds `learning_starts` decisions of its own."""
+        table, model = self.recipe.hyperparameters, cast(Any, self.model)
+        if isinstance(table, Sac) and model.replay_buffer.size() * self.venv.num_envs >= table.learning_starts:
+            model.gradient_steps = table.gradient_steps
+
     def move(self, stage: int) -> None:
         """Go on in the world of a stage of the curriculum, with new episodes in all rows."""
         self.course.move(self.recipe.params_of(stage))
-        model: Any = self.model
+        model = cast(Any, self.model)
         model._last_obs = self.venv.reset()
         model._last_episode_starts = np.ones(self.venv.num_envs, bool)
         if isinstance(self.venv, VecNormalize):

@@ -176,6 +176,7 @@ class Rounds(BaseCallback):
             if steps // every > self._seen // every:
                 act()
         self._seen = steps
+        self.learner.look_at_buffer()
         stage = self.learner.recipe.stage(steps)
         if stage != self._stage:
             self._say(f"stage {stage} of the curriculum")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from rss_gym.core import spaces
+from rss_gym.encounters import chosen
 from rss_gym.ids import IDS
 from rss_gym.params import Group, Params, ParamsError, load_channel, suggestion
 from rss_gym.train.hyperparameters import ALGORITHMS, Checkpoint, Ppo, PpoNetwork, Sac, SacNetwork, Validation, Vec
@@ -102,7 +103,9 @@ class Recipe:
         return self._with(self.curriculum[stage - 1].world if stage else {})
 
     def _with(self, changes: dict[str, Any]) -> Params:
-        return Params.of(**{**IDS[self.env], **self.world, **changes})
+        params = Params.of(**{**IDS[self.env], **self.world, **changes})
+        chosen(params.encounter)  # refuses families that do not exist
+        return params
 
     def to_dict(self) -> dict[str, Any]:
         """The tables of its file, with every default, in plain JSON types."""
