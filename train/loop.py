@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -22,9 +23,9 @@ from rss_gym.train.learner import STATE, Learner
 from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
 from rss_gym.train.table import Table
-from rss_gym.train.validation import Score, Validator, is_better
+from rss_gym.train.validation import Choice, Validator, safest_from_dict
 
-CHECKPOINT, BEST, BEST_MODEL = "checkpoint", "best", "best.zip"
+CHECKPOINT, SAFEST, BEST, BEST_MODEL = "checkpoint", "safest.json", "best", "best.zip"
 PROGRESS, VALIDATION, TENSORBOARD = "progress.csv", "validation.csv", "tensorboard"
 LOCK = "lock"
 STEPS = "time/total_timesteps"  # SB3's name
@@ -130,7 +131,7 @@ class Rounds(BaseCallback):
         recipe, self.first = learner.recipe, learner.model.num_timesteps
         self.validator = Validator(recipe.params, recipe.validation.episodes)
         self.validations = Table(folder / VALIDATION, "steps", self.first)
-        self.times, self.best = Times(), None
+        self.times, self.choice = Times(), Choice()
         self._learning_since: float | None = None
         self._stage = recipe.stage(self.first)
         # Called with the steps so far when they pass a multiple of so many.
@@ -141,8 +142,6 @@ class Rounds(BaseCallback):
         ]
         self._seen = self.first
 
-    best: Score | None
-
     def _on_training_start(self) -> None:
         self._began = perf_counter()
         policy: Any = self.model.policy
@@ -151,7 +150,10 @@ class Rounds(BaseCallback):
                 setattr(policy, name, self._timed(getattr(policy, name)))
         if (self.folder / BEST).exists():
             agent = load(self.folder / BEST, self.learner.recipe.params)
-            self.best = self.validator.score(agent, "best")
+            self.choice.best = self.validator.score(agent, "best")
+        if (self.folder / CHECKPOINT / SAFEST).exists():
+            text = (self.folder / CHECKPOINT / SAFEST).read_text(encoding="utf-8")
+            self.choice.safest = safest_from_dict(json.loads(text))
 
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **keywords: Any) -> Any:
@@ -198,30 +200,27 @@ class Rounds(BaseCallback):
 
     def _log(self) -> None:
         recent: Iterable[dict[str, float]] = self.model.ep_info_buffer or ()
-        means = {
-            "reward": safe_mean([episode["r"] for episode in recent]),
-            "collision_rate": safe_mean([episode["collision"] for episode in recent]),
-            "deviation_m": safe_mean([episode["deviation_m"] for episode in recent]),
-        }
         if recent:
-            self.bar.set_postfix({name: f"{value:.3g}" for name, value in means.items()}, refresh=False)
+            names = {"r": "reward", "collision": "collision_rate", "deviation_m": "deviation_m"}
+            means = {name: float(safe_mean([episode[key] for episode in recent])) for key, name in names.items()}
+            self.bar.set_postfix({name: f"{mean:.3g}" for name, mean in means.items()}, refresh=False)
             for name in ("collision_rate", "deviation_m"):
-                self.logger.record(f"rollout/{name}", float(means[name]))
+                self.logger.record(f"rollout/{name}", means[name])
         self.model.dump_logs()
 
     def _validate(self) -> None:
-        start, steps = perf_counter(), self.model.num_timesteps
-        score = self.validator.score(self.learner.agent(), "candidate")
-        better = is_better(score, self.best)
+        start, steps, policy_s = perf_counter(), self.model.num_timesteps, self.times.policy_s
+        score = self.validator.score(self.learner.agent(), "agent")
+        better = self.choice.takes(score)
         row = {"steps": steps, **score.to_dict(), "best": int(better)}
         if better:
-            self.best = score.named("best")
             self._keep(row)
         self.validations.add(row)
         for name in ("collision_rate", "path_deviation_mean_m"):
             self.logger.record(f"validation/{name}", row[name])
         self._say(f"{score}{', the best so far' if better else ''}")
         self.times.validation_s += perf_counter() - start
+        self.times.policy_s = policy_s  # its share is that of the training
 
     def _keep(self, row: dict[str, Any]) -> None:
         model = self.folder / f".{BEST_MODEL}-new"
@@ -233,6 +232,7 @@ class Rounds(BaseCallback):
     def _save(self) -> None:
         with replaced_folder(self.folder / CHECKPOINT) as new:
             self.learner.save(new)
+            (new / SAFEST).write_text(json.dumps(self.choice.safest_to_dict()) + "\n", encoding="utf-8")
 
     def _say(self, text: str) -> None:
         tqdm.write(f"{self.name}, {self.model.num_timesteps:,} steps: {text}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -35,10 +35,6 @@ class Score:
 
     candidate: Candidate
     metrics: dict[str, Estimate]
-
-    def named(self, name: str) -> Score:
-        """The same under another name."""
-        return Score(replace(self.candidate, name=name), self.metrics)
 
     @property
     def collisions(self) -> int:
@@ -117,8 +113,50 @@ def ranked(scores: Mapping[str, Score]) -> list[Place]:
     return rank(score.candidate for score in scores.values())
 
 
-def is_better(candidate: Score, best: Score | None) -> bool:
-    """Whether the ranking puts `candidate` before `best`, of another name."""
-    if best is None:
-        return True
-    return rank([candidate.candidate, best.candidate])[0].name == candidate.candidate.name
+class Choice:
+    """Which of the policies that come one after the other is kept.
+
+    A new one takes the place of the best if the ranking puts it first among itself, the best and the safest of all so
+    far. Against the best alone, one that is a little less safe but nearer the path could win again and again, each time
+    within the error of the test, and the policy become worse and worse.
+
+    Parameters
+    ----------
+    best : Score, optional
+        The policy that is kept.
+    safest : Candidate, optional
+        The safest of all, if that is not the best.
+    """
+
+    def __init__(self, best: Score | None = None, safest: Candidate | None = None) -> None:
+        self.best, self.safest = best, safest
+
+    def takes(self, score: Score) -> bool:
+        """Whether `score` is now the best."""
+        new = replace(score.candidate, name="new")
+        best = None if self.best is None else replace(self.best.candidate, name="best")
+        entries = [entry for entry in (new, best, self.safest) if entry is not None]
+        taken = best is None or rank(entries)[0].name == "new"
+        safest = min(entries, key=lambda entry: (entry.faults, entry.safety))
+        self.safest = None if safest is (new if taken else best) else replace(safest, name="safest")
+        if taken:
+            self.best = score
+        return taken
+
+    def safest_to_dict(self) -> dict[str, Any] | None:
+        """The safest, if it is not the best, in plain JSON types."""
+        if self.safest is None:
+            return None
+        table = {field.name: getattr(self.safest, field.name) for field in fields(Candidate)}
+        return table | {
+            "episode": len(self.safest.episode),
+            "collision": np.flatnonzero(self.safest.collision).tolist(),
+        }
+
+
+def safest_from_dict(table: Mapping[str, Any] | None) -> Candidate | None:
+    """What `Choice.safest_to_dict` wrote."""
+    if table is None:
+        return None
+    episode = np.arange(table["episode"], dtype=np.uint64)
+    return Candidate(**{**table, "episode": episode, "collision": np.isin(episode, table["collision"])})

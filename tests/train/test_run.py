@@ -7,6 +7,8 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +18,12 @@ pytest.importorskip("sb3_contrib", reason="sb3-contrib (extra `train`) is not in
 
 from rss_gym.baselines.agent import load as load_agent
 from rss_gym.cli import main
+from rss_gym.eval.ranking import Candidate, rank
 from rss_gym.params import ParamsError
 from rss_gym.train import recipe, run
 from rss_gym.train.learner import Learner
 from rss_gym.train.lock import locked
-from rss_gym.train.validation import Validator, is_better
+from rss_gym.train.validation import Choice, Score, Validator, safest_from_dict
 
 STEPS = "time/total_timesteps"
 
@@ -89,7 +92,7 @@ def test_the_agent_is_the_best_seeds(finished, capsys):
     validator = Validator(chosen.params, chosen.validation.episodes)
     scores = {name: validator.score(load_agent(finished / name / "best"), name) for name in ("seed-0", "seed-1")}
     other = next(name for name in scores if name != best.parent.name)
-    assert not is_better(scores[other], scores[best.parent.name])
+    assert not Choice(scores[best.parent.name]).takes(scores[other])
     assert table.splitlines()[1].startswith(f"  1. {best.parent.name}, ")
 
 
@@ -279,16 +282,37 @@ def test_episodes_are_recorded(small):
 
 
 def test_a_policy_is_kept_only_if_the_ranking_puts_it_first(small):
-    chosen = recipe.load("ppo", small)
-    validator = Validator(chosen.params, 60)
     from rss_gym.baselines import make
 
-    none = validator.score(make("none", chosen.params), "best")
-    rule = validator.score(make("orthogonal:radius_m=60", chosen.params), "candidate")
-    assert is_better(rule, None) and is_better(rule, none)
-    assert not is_better(none.named("candidate"), rule.named("best"))
-    assert not is_better(rule, rule.named("best"))  # equal: the one there is stays
+    chosen = recipe.load("ppo", small)
+    validator = Validator(chosen.params, 60)
+    none, rule = (validator.score(make(spec, chosen.params), "agent") for spec in ("none", "orthogonal:radius_m=60"))
+    choice = Choice()
+    assert choice.takes(none) and choice.takes(rule) and choice.best is rule
+    assert not choice.takes(none) and choice.best is rule
+    assert not choice.takes(rule)  # equal: the one there is stays
     assert "of 60" in str(none) and none.to_dict()["collisions"] == none.collisions > 0
+
+
+def test_small_steps_do_not_lead_away_from_the_safest():
+    """Each candidate has 4 collisions more than the last and less deviation: none is told apart from the one before."""
+    n, step = 2000, 4
+
+    def score(number):
+        collision = np.zeros(n, bool)
+        collision[: step * number] = True
+        return Score(Candidate("agent", 0, 0.01 * number, 20.0 - number, np.arange(n, dtype=np.uint64), collision), {})
+
+    scores = [score(number) for number in range(12)]
+    choice, kept = Choice(), []
+    for candidate in scores:
+        kept.append(choice.takes(candidate))
+        # What a checkpoint keeps is all there is to know.
+        choice = Choice(choice.best, safest_from_dict(json.loads(json.dumps(choice.safest_to_dict()))))
+    winners = [rank([replace(one.candidate, name="one"), two.candidate])[0].name for one, two in pairwise(scores)]
+    assert set(winners) == {"agent"}  # against the one before alone, every one of them would win
+    assert kept == [True] * 2 + [False] * 10  # 4 of 2000 are not told from none, 8 are: exact McNemar, p = 0.008
+    np.testing.assert_array_equal(choice.safest.collision, scores[0].candidate.collision)
 
 
 def refused(capsys, *arguments):
