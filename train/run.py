@@ -24,6 +24,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tqdm import tqdm
+
 from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, load
 from rss_gym.eval.records import versions
 from rss_gym.eval.workers import end_with, interrupts_held
@@ -266,4 +268,5 @@ def _spread(folder: Path, count: int, workers: int, show: bool) -> None:
 
 
 def _begin(lifeline: Connection) -> None:
+    tqdm.set_lock(threading.RLock())  # its own is shared between processes, and left behind by one that ends at once
     threading.Thread(target=end_with, args=(lifeline,), daemon=True).start()

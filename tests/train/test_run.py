@@ -162,10 +162,11 @@ def wait_for_lock(seeds):
     [
         ("ppo", {"vec.stack": 2, "vec.normalise_observation": True}),
         ("ppo", {"vec.normalise_reward": False, "curriculum": [{"start": 0.4, "comfort_m": 20.0}]}),
+        ("ppo", {"recipe.env": "rss_gym/Encounter3D-v0", "world.track": "range", "world.channel": ["paper", "clean"]}),
         ("recurrent-ppo", {"policy.lstm_hidden_size": 8}),
         ("sac", {}),
     ],
-    ids=["wrapped", "bare", "recurrent", "sac"],
+    ids=["wrapped", "bare", "space", "recurrent", "sac"],
 )
 def test_a_checkpoint_holds_all_that_was_learnt(name, changes, small, tmp_path):
     if name == "sac":
