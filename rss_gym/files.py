@@ -20,17 +20,12 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
     ParamsError
         If it cannot be written.
     """
-    return write_bytes(path, text.encode("utf-8", errors="replace"))
-
-
-def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
-    """As `write_text`."""
     target = Path(path)
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:80]}-", dir=target.parent)
         try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
+            with os.fdopen(handle, "w", encoding="utf-8", errors="replace", newline="\n") as file:
+                file.write(text)
             os.chmod(temporary, 0o644)
             os.replace(temporary, target)
         except BaseException:

@@ -9,6 +9,7 @@ import os
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -72,7 +73,7 @@ class Recipe:
         params = self.params
         if params.interface.action == "discrete":
             raise ParamsError("[world]: action 'discrete' cannot be exported; use displacement or velocity")
-        for previous, stage in zip((Stage(-1.0, {}), *self.curriculum), self.curriculum, strict=False):
+        for previous, stage in pairwise((Stage(-1.0, {}), *self.curriculum)):
             if stage.start <= previous.start:
                 raise ParamsError(f"[[curriculum]]: start = {stage.start:g} must exceed {previous.start:g} before it")
             later = self._with(stage.world)
