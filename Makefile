@@ -9,7 +9,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test lint bench clean
+.PHONY: help setup demo test lint bench table clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -30,6 +30,9 @@ lint: .venv/.done ## style, types and layers
 
 bench: .venv/.bench ## step rates on one core, beside other environments
 	$(BIN)/python benchmarks/speed.py
+
+table: .venv/.done ## fly the scripted rules on every track, and write their tables (about an hour; goes on where interrupted)
+	$(BIN)/python docs/table.py
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym import observation
+from rss_gym.baselines.features import FEATURES, append, names
 from rss_gym.baselines.network import ACTIVATIONS, feed_forward, long_short_term
 from rss_gym.params import Params, ParamsError, suggestion
 
@@ -37,6 +38,8 @@ class Network:
         Of the hidden layers, one of `ACTIVATIONS`.
     stack : int
         Observations of so many last decisions, oldest first, are the input; zero before the episode began.
+    features : str
+        What is computed from the newest observation and stands behind it, one of `rss_gym.baselines.features.FEATURES`.
     lstm : int
         Units of a recurrent layer before the hidden ones; 0 without.
     squash : bool
@@ -48,13 +51,19 @@ class Network:
     layers: tuple[int, ...]
     activation: str = "tanh"
     stack: int = 1
+    features: str = "none"
     lstm: int = 0
     squash: bool = False
     clip: float = 0.0
 
-    def shapes(self, fields: int, axes: int) -> dict[str, tuple[int, ...]]:
-        """The tensors' shapes, for so many observation fields and action axes."""
-        width = fields * self.stack
+    def inputs(self, world: Params) -> list[str]:
+        """Names of the fields of an observation of this world, and of the features."""
+        return [field.name for field in observation.fields(world)] + names(self.features, world)
+
+    def shapes(self, world: Params) -> dict[str, tuple[int, ...]]:
+        """The tensors' shapes in this world."""
+        width = len(self.inputs(world)) + (self.stack - 1) * len(observation.fields(world))
+        axes = 2 if world.encounter.planar else 3
         found: dict[str, tuple[int, ...]] = {}
         if self.clip:
             found |= {"mean": (width,), "std": (width,)}
@@ -75,7 +84,7 @@ class Agent:
     ----------
     network : Network
     tensors : dict of float64 arrays
-        As `network.shapes` has them.
+        As `network.shapes` has them for this world.
     world : Params
         The world, with the interface the policy was trained for.
     document : dict
@@ -127,6 +136,7 @@ class Agent:
             memory[np.broadcast_to(np.asarray(episode_start, bool), len(rows))] = 0.0
         inputs = np.concatenate([memory[:, :older], rows], axis=1)
         memory[:, :older] = inputs[:, rows.shape[1] :]
+        inputs = append(self.network.features, inputs, self.world)
         if self.network.clip:
             inputs = (inputs - self._tensors["mean"]) / self._tensors["std"]
             inputs = np.clip(inputs, -self.network.clip, self.network.clip)
@@ -163,13 +173,13 @@ def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
         document = _document(text)
         network = _network(document["network"])
         world = _world(document, params)
-        names = [field.name for field in observation.fields(world)]
-        if document["observation"] != names:
+        known = network.inputs(world)
+        if document["observation"] != known:
             raise ParamsError(
-                f"{DOCUMENT}: it was made for an observation of {len(document['observation'])} fields, and this world "
-                f"has {len(names)} or others; planar, intruders and track must be as in training"
+                f"{DOCUMENT}: it was made for {len(document['observation'])} fields and features, and this world has "
+                f"{len(known)} or others; planar, intruders and track must be as in training"
             )
-        tensors = _tensors(blob, network.shapes(len(names), 2 if world.encounter.planar else 3))
+        tensors = _tensors(blob, network.shapes(world))
     except ParamsError as error:
         raise ParamsError(f"policy folder {os.fspath(folder)!r}: {error}") from error
     return Agent(network, tensors, world, document, hashlib.sha256(text + blob).hexdigest())
@@ -222,10 +232,10 @@ def _network(table: dict[str, Any]) -> Network:
     for name, value, low, high in bounds:
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise ParamsError(f"{where}: {name} must be a whole number in [{low}, {high}], got {value!r}"[:300])
-    if table["activation"] not in ACTIVATIONS:
-        raise ParamsError(
-            f"{where}: activation {table['activation']!r} is unknown{suggestion(str(table['activation']), ACTIVATIONS)}"
-        )
+    for name, known in (("activation", ACTIVATIONS), ("features", FEATURES)):
+        value = table[name]
+        if not isinstance(value, str) or value not in known:
+            raise ParamsError(f"{where}: {name} {value!r} is unknown{suggestion(str(value), known)}"[:300])
     if not isinstance(table["squash"], bool):
         raise ParamsError(f"{where}: squash must be true or false, got {table['squash']!r}"[:300])
     clip = table["clip"]

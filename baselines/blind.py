@@ -16,7 +16,7 @@ class Constant(Scripted):
     """A constant displacement from the predefined trajectory, for the whole flight."""
 
     along_m: float = number(0.0, -1000.0, 1000.0)
-    right_m: float = number(0.0, -1000.0, 1000.0)
+    right_m: float = number(30.0, -1000.0, 1000.0)
     up_m: float = number(0.0, -1000.0, 1000.0)
 
     def interface(self) -> dict[str, Any]:
@@ -27,6 +27,23 @@ class Constant(Scripted):
         """The displacement."""
         displacement = np.array([self.along_m, self.right_m, self.up_m]) / self.world.interface.reach_m
         return np.tile(displacement, (len(memory), 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Climb(Scripted):
+    """A constant height above the predefined trajectory, as far as the altitude band reaches."""
+
+    up_m: float = number(15.0, -1000.0, 1000.0)
+
+    in_space = True
+
+    def interface(self) -> dict[str, Any]:
+        """A reach that holds the height."""
+        return {"action": "displacement", "reach_m": max(abs(self.up_m), 1.0)}
+
+    def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
+        """The height."""
+        return np.tile([0.0, 0.0, self.up_m / self.world.interface.reach_m], (len(memory), 1))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.avoidance.modified_orthogonal import bearing_cosine, velocity
-from rss_gym.baselines.orthogonal import vectors
+from rss_gym.baselines.located import vectors
 from rss_gym.baselines.policy import Scripted
 from rss_gym.baselines.reflexes import homing
 from rss_gym.jit import kernel
@@ -58,11 +58,12 @@ class ModifiedOrthogonal(Scripted):
 
     radius_m: float = number(120.0, 1.0, 1000.0)
 
+    tracks = ("range",)
     columns = 11
 
     def interface(self) -> dict[str, Any]:
         """Ranges only, velocities commanded."""
-        return {"track": "range", "action": "velocity"}
+        return {"action": "velocity"}
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """The rule's velocity relative to the planned one, or homing."""

@@ -8,21 +8,15 @@ from typing import Any
 import numpy as np
 
 from rss_gym.avoidance.orthogonal import displacement
+from rss_gym.baselines.located import check_radius, vectors
 from rss_gym.baselines.policy import Scripted
 from rss_gym.jit import kernel
-from rss_gym.params import ParamsError, number
+from rss_gym.params import number
 
 STILL_MPS = 0.5  # an intruder slower than this counts as hovering
 # Columns of the memory: the intruder obeyed + 1, whether it was moving, the side kept in the axes of its flight.
 OBEYED, MOVING, ALONG, RIGHT, UP, HEADING_ALONG, HEADING_RIGHT = range(7)
 COS_TURNED = 0.8660254037844386  # 30 degrees: after such a turn, of either, the side is chosen anew
-
-
-def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
-    """The components along, right and up of a named vector as one array, shape (..., 3); a missing `up` is zero."""
-    first = seen[f"{stem}_along_{unit}"]
-    up = seen.get(f"{stem}_up_{unit}", np.zeros_like(first))
-    return np.stack([first, seen[f"{stem}_right_{unit}"], up], axis=-1)
 
 
 @kernel
@@ -87,20 +81,17 @@ class Orthogonal(Scripted):
     radius_m: float = number(60.0, 1.0, 1000.0)
     lookahead_s: float = number(0.5, 0.0, 60.0)
 
+    reads_positions = True
     columns = 7
 
     def interface(self) -> dict[str, Any]:
         """Messages, and a reach to the far edge of the zone."""
-        return {"track": "paper", "action": "displacement", "reach_m": 2.0 * self.radius_m}
+        return {"action": "displacement", "reach_m": 2.0 * self.radius_m}
 
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
         super().__post_init__()
-        zone_m = self.world.zone.radius_m
-        if self.radius_m > zone_m:
-            raise ParamsError(
-                f"radius_m = {self.radius_m:g} must be at most the zone radius {zone_m:g}: no message arrives beyond it"
-            )
+        check_radius(self.radius_m, self.world)
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """The rule's displacement over the reach."""
@@ -118,12 +109,3 @@ class Orthogonal(Scripted):
             out,
         )
         return out / self.world.interface.reach_m
-
-
-@dataclass(frozen=True, kw_only=True)
-class OrthogonalOracle(Orthogonal):
-    """The orthogonal rule on true states: what is left when estimation is perfect."""
-
-    def interface(self) -> dict[str, Any]:
-        """As the rule, on track `oracle`."""
-        return super().interface() | {"track": "oracle"}

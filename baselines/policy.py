@@ -5,14 +5,15 @@ Scripted policies are handed observations and nothing else; what they remember t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol, get_args
 
 import numpy as np
 
 from rss_gym import observation
 from rss_gym.jit import kernel
-from rss_gym.params import Group, Params
+from rss_gym.params import Group, Params, Track
 from rss_gym.physics.random import uniform
 
 
@@ -34,12 +35,16 @@ class Policy(Protocol):
 class Scripted(Group):
     """Base of the scripted policies: options as fields, the world they fly in, memory as one array of rows.
 
-    A subclass writes `act`; `memory` columns are zero at the start of an episode.
+    A subclass writes `act`; `memory` columns are zero at the start of an episode. `tracks` are those it can fly on;
+    a rule that `reads_positions` flies on track `range` inside `RangeOnly`, one `in_space` in no planar world.
     """
 
     world: Params = field(default_factory=Params)
 
     columns = 0
+    tracks: ClassVar[tuple[str, ...]] = get_args(Track)
+    reads_positions: ClassVar[bool] = False
+    in_space: ClassVar[bool] = False
 
     def interface(self) -> dict[str, Any]:
         """Parameters of the world that the policy needs: track, action, reach."""
@@ -68,12 +73,18 @@ class Scripted(Group):
         actions, state
             float32 (axes,) or (n, axes), and the memory.
         """
+        return self.answer(observation_, state, episode_start, self.act)
+
+    def answer(
+        self, observation_: Any, state: Any, episode_start: Any, act: Callable[..., np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What `predict` returns for the actions of `act`."""
         values = np.asarray(observation_)
         rows = np.atleast_2d(values)
         memory = np.zeros((len(rows), self.columns)) if state is None else np.array(state, dtype=np.float64)
         if episode_start is not None:
             memory[np.broadcast_to(np.asarray(episode_start, bool), len(rows))] = 0.0
-        actions = self.act(observation.split(rows, self.world), memory)
+        actions = act(observation.split(rows, self.world), memory)
         if self.world.encounter.planar:
             actions = actions[:, :2]
         actions = np.clip(actions, -1.0, 1.0).astype(np.float32)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from rss_gym.baselines import able
 from rss_gym.core import checked_seed
 from rss_gym.eval.episodes import Block, described
 from rss_gym.eval.metrics import Estimate, Flights, measure
@@ -18,9 +19,10 @@ from rss_gym.eval.policies import Entry, entry
 from rss_gym.eval.suites import Suite, find
 from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL, fly_blocks
-from rss_gym.params import ParamsError
+from rss_gym.params import Params, ParamsError
 
 BLOCK = 2048  # episodes flown side by side; any value gives the same scores
+ALL = "all"  # in place of a policy's name
 NAME_MAX = 200  # characters of a policy's name
 
 
@@ -65,7 +67,8 @@ def evaluate(
     Parameters
     ----------
     policy : str, object, or a list of these
-        See `rss_gym.eval.policies.entry`; a loaded SB3 model will do. A dict gives names.
+        See `rss_gym.eval.policies.entry`; a loaded SB3 model will do. A dict gives names; `all` stands for every
+        scripted policy that can fly in the world, at its defaults.
     suite : str or Suite
         What is flown.
     episodes, seed : int, optional
@@ -95,7 +98,7 @@ def evaluate(
     for name, value in (("episodes", count), ("workers", workers), ("block", block)):
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
             raise ParamsError(f"{name} must be a whole number >= 1, got {value!r}")
-    given = _given(policy)
+    given = _given(policy, flown.params)
     entries = _entries(given, flown)
     reference = reference or entries[1 if len(entries) > 1 else 0].name
     if reference not in [item.name for item in entries]:
@@ -149,13 +152,14 @@ def is_name(value: Any) -> bool:
     return isinstance(value, str) and bool(value.strip()) and len(value) <= NAME_MAX and value.isprintable()
 
 
-def _given(policy: Any) -> list[tuple[str | None, Any]]:
+def _given(policy: Any, world: Params) -> list[tuple[str | None, Any]]:
     """Names, if any, and policies in the order given, with `none` first if it is not among them."""
-    given: list[tuple[str | None, Any]]
+    given: list[tuple[str | None, Any]] = []
     if isinstance(policy, dict):
         given = list(policy.items())
     else:
-        given = [(None, item) for item in (policy if isinstance(policy, (list, tuple)) else [policy])]
+        for item in policy if isinstance(policy, (list, tuple)) else [policy]:
+            given += [(None, name) for name in able(world)] if isinstance(item, str) and item == ALL else [(None, item)]
     if NOMINAL not in [name or item for name, item in given if isinstance(item, str)]:
         given.insert(0, (None, NOMINAL))
     return given

@@ -15,7 +15,7 @@ DEMO_REFERENCE = "orthogonal:radius_m=60"  # the replays show each policy beside
 DEMO_POLICIES = (
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
-    "orthogonal-oracle:radius_m=60",
+    "orthogonal@oracle:radius_m=60",
     "constant:right_m=30",
     "blind",
 )
@@ -51,19 +51,23 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    command = commands.add_parser("list", help="ids, policies, channel presets, families and suites")
+    command = commands.add_parser("list", help="ids, policies, channel presets, families, recipes and suites")
     command.add_argument("--json", action="store_true", help="as JSON")
     command.set_defaults(run=_list)
 
     command = commands.add_parser("eval", help="score policies on the same encounters")
     command.add_argument(
-        "--policy", nargs="+", required=True, metavar="NAME", help="such as none orthogonal:radius_m=60"
+        "--policy",
+        nargs="+",
+        required=True,
+        metavar="NAME",
+        help="such as none orthogonal:radius_m=60; all for every scripted one",
     )
     command.add_argument("--suite", default="encounter-v0")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")
     command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
-    command.add_argument("--track", help="oracle, paper or range")
+    command.add_argument("--track", nargs="+", help="oracle, paper or range; several give a folder each in DIR")
     command.add_argument("--estimator", help="ekf-coloured, ekf-white or ls")
     command.add_argument("--families", nargs="+")
     command.add_argument("--workers", type=int, default=1)
@@ -111,6 +115,23 @@ def _parser() -> argparse.ArgumentParser:
         "--set", nargs="+", metavar="KEY=VALUE", help="parameters of the world of the .zip, such as intruders=2"
     )
     command.set_defaults(run=_export)
+    command = commands.add_parser("calibrate", help="a channel from radio logs, with range errors on a test")
+    command.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
+    command.add_argument(
+        "--test", nargs="+", default=[], metavar="TEST", help="logs to test on; default: the last third of each record"
+    )
+    command.add_argument("--format", default="csv", help="csv or mavlink")
+    command.add_argument("--columns", default="", metavar="t=..,rss=..,dist=..", help="names of a table's columns")
+    command.add_argument("--out", required=True, metavar="FILE", help="channel to write, such as channel.toml")
+    command.add_argument("--report", metavar="DIR", help="new folder for the page and calibration.json")
+    command.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
+    command.set_defaults(run=_calibrate)
+
+    command = commands.add_parser("paper", help="every figure and number of the paper, beside what comes out")
+    command.add_argument("--out", required=True, metavar="DIR", help="new folder for paper.json and index.html")
+    command.add_argument("--seed", type=int, default=0)
+    command.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
+    command.set_defaults(run=_paper)
 
     command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
@@ -135,13 +156,38 @@ def _list(options: argparse.Namespace) -> None:
 
 
 def _eval(options: argparse.Namespace) -> None:
-    from rss_gym.eval import evaluate, records, report, text
-    from rss_gym.files import check_new
+    from rss_gym.eval import records, report, text
+    from rss_gym.files import check_new, new_folder
+    from rss_gym.params import ParamsError
 
-    check_new(options.out)
+    out = check_new(options.out)
     _see_modules_here()
-    names = ("channel", "track", "estimator", "families")
+    names = ("channel", "estimator", "families")
     changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    tracks = options.track or []
+    twice = next((track for track in tracks if tracks.count(track) > 1), None)
+    if twice is not None:
+        raise ParamsError(f"track {twice!r} is given twice")
+    if len(tracks) < 2:
+        results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
+    else:
+        with new_folder(out) as folder:
+            results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
+    if options.json:
+        scores = {track: (out / track / records.SCORES).read_text(encoding="utf-8") for track in results}
+        several = {track: json.loads(content) for track, content in scores.items()}
+        print(json.dumps(several, indent=1) if len(tracks) > 1 else scores[""].rstrip())
+        return
+    for track, result in results.items():
+        print(text.table(result))
+        print(f"scores: {os.path.join(options.out, track, records.SCORES)}")
+        print(f"report: {os.path.join(options.out, track, report.REPORT)}")
+
+
+def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
+    """Fly and save one record."""
+    from rss_gym.eval import evaluate, records, report
+
     result = evaluate(
         options.policy,
         suite=options.suite,
@@ -151,13 +197,8 @@ def _eval(options: argparse.Namespace) -> None:
         reference=options.reference,
         **changes,
     )
-    folder = records.save(result, options.out, options.csv, report.write)
-    if options.json:
-        print((folder / records.SCORES).read_text(encoding="utf-8"), end="")
-    else:
-        print(text.table(result))
-        print(f"scores: {folder / records.SCORES}")
-        print(f"report: {folder / report.REPORT}")
+    records.save(result, out, options.csv, report.write)
+    return result
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -222,6 +263,56 @@ def _export(options: argparse.Namespace) -> None:
         difference = convert.export_model(options.source, options.out, env, options.algorithm, world)
     print(f"greatest difference from SB3's actions on 1,000 observations: {difference:.2g}")
     print(f"policy: {options.out}")
+
+
+def _calibrate(options: argparse.Namespace) -> None:
+    from rss_gym.calibration import output
+    from rss_gym.calibration.calibrate import calibrate
+    from rss_gym.calibration.logs import read
+    from rss_gym.params import ParamsError
+
+    output.check_outputs(options.out, options.report)
+    columns = _columns(options.columns)
+    fitted = {os.path.realpath(name) for name in options.fit}
+    twice = next((name for name in options.test if os.path.realpath(name) in fitted), None)
+    if twice is not None:
+        raise ParamsError(f"log {twice!r} is to be fitted and tested; a test needs a log of its own")
+    fit = read(options.fit, options.format, columns)
+    test = read(options.test, options.format, columns) if options.test else None
+    result = calibrate(fit, test or (), (*fit.notes, *(test.notes if test else ())))
+    output.save(result, options.out, options.report)
+    if options.json:
+        print(json.dumps(output.to_dict(result), indent=1, allow_nan=False))
+        return
+    print(output.table(result))
+    print(f"channel: {options.out}")
+    if options.report is not None:
+        print(f"report: {os.path.join(options.report, output.PAGE)}")
+
+
+def _columns(text: str) -> dict[str, str]:
+    """`t=time,rss=power` as a dict."""
+    from rss_gym.params import ParamsError
+
+    columns: dict[str, str] = {}
+    for item in filter(None, text.split(",")):
+        key, equals, name = (part.strip() for part in item.partition("="))
+        if not (key and equals and name) or key in columns:
+            raise ParamsError(f"columns must be KEY=NAME pairs of different keys with commas between, got {item!r}")
+        columns[key] = name
+    return columns
+
+
+def _paper(options: argparse.Namespace) -> None:
+    from rss_gym.eval import paper
+    from rss_gym.files import check_new
+
+    check_new(options.out)
+    reproduction = paper.reproduce(paper.QUICK if options.quick else None, options.seed)
+    folder = paper.write(reproduction, options.out)
+    print(reproduction.summary)
+    print(f"numbers: {folder / paper.NUMBERS}")
+    print(f"page: {folder / paper.PAGE}")
 
 
 def _see_modules_here() -> None:

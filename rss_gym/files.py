@@ -31,7 +31,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
         except BaseException:
             os.unlink(temporary)
             raise
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: a null in the name
         raise ParamsError(f"file {str(path)!r} cannot be written: {error}") from error
     return target
 

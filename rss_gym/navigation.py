@@ -1,7 +1,7 @@
 """Navigation solutions of a block of rows; every loop runs over the lanes of the block."""
 
 from rss_gym.jit import inner
-from rss_gym.positioning import closed_form, fix_std_m, gauss_newton
+from rss_gym.positioning.trilateration import closed_form, fix_std_m, gauss_newton
 from rss_gym.records import DEAD_RECKONING, GNSS, NODES, RSS
 
 GAUSS_NEWTON_STEPS = 3
@@ -74,7 +74,7 @@ def chosen_nodes(block, r):
 
 @inner
 def fix(block, craft):
-    """`positioning.trilaterate`, a step of all lanes at a time."""
+    """`trilateration.trilaterate`, a step of all lanes at a time."""
     s = craft.solution_m
     for r in range(block.rows):
         s[2, r] = craft.position_m[2, r] + craft.barometer_error_m[r] + craft.datum_error_m[r]

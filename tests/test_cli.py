@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from rss_gym.baselines import POLICIES
 from rss_gym.cli import main
 
 
@@ -23,13 +24,14 @@ def run(capsys, *arguments):
 def test_list_names_everything(capsys):
     status, out, _ = run(capsys, "list")
     assert status == 0
-    for name in ("rss_gym/Encounter-v0", "orthogonal", "quadcopter", "mixed", "encounter-v0"):
+    for name in ("rss_gym/Encounter-v0", "orthogonal", "quadcopter", "mixed", "ppo-short", "encounter-v0"):
         assert name in out
 
 
 def test_list_json(capsys):
     status, out, _ = run(capsys, "list", "--json")
-    assert status == 0 and set(json.loads(out)) == {"ids", "policies", "channels", "families", "suites"}
+    titles = {"ids", "policies", "channels", "families", "recipes", "suites"}
+    assert status == 0 and set(json.loads(out)) == titles
 
 
 def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):
@@ -43,6 +45,20 @@ def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):
     assert (scores["episodes"], scores["seed"], scores["official"]) == (50, 3, False)
     rate = scores["policies"][0]["metrics"]["collision_rate"]
     assert rate["n"] == 50 and 0.0 <= rate["low"] <= rate["value"] <= rate["high"] <= 1.0
+
+
+def test_all_on_several_tracks(capsys, tmp_path):
+    folder = tmp_path / "runs" / "all"
+    arguments = ["--policy", "all", "--track", "paper", "range", "--episodes", "5", "--out", str(folder)]
+    status, out, _ = run(capsys, "eval", *arguments)
+    assert status == 0 and sorted(path.name for path in folder.iterdir()) == ["paper", "range"]
+    for track in ("paper", "range"):
+        assert f"scores: {folder / track / 'scores.json'}" in out
+        scores = json.loads((folder / track / "scores.json").read_text())
+        flown = {policy["name"]: policy["track"] for policy in scores["policies"]}
+        able = {name for name, kind in POLICIES.items() if track in kind.tracks and not kind.in_space}
+        assert set(flown) == able and set(flown.values()) == {track}
+    assert "orca" in flown and "modified-orthogonal" in flown
 
 
 def test_the_demo_flies_the_rule_over_its_radius(capsys, tmp_path, monkeypatch):
@@ -70,6 +86,11 @@ def test_the_demo_flies_the_rule_over_its_radius(capsys, tmp_path, monkeypatch):
         (["--policy", "json:loads"], ["json:loads"]),
         (["--policy", "no_such_module:thing"], ["no_such_module:thing"]),
         (["--policy", "none", "none"], ["'none'", "twice"]),
+        (["--policy", "all", "orca"], ["'orca'", "twice"]),
+        (["--policy", "climb"], ["'climb'", "space", "planar"]),
+        (["--policy", "none", "--track", "paper", "paper"], ["track", "'paper'", "twice"]),
+        (["--policy", "none", "--track", "paper", "--episodes", "0"], ["episodes"]),
+        (["--policy", "none", "--episodes", "2", "--track", "paper", "blind"], ["track", "'blind'"]),
     ],
 )
 def test_bad_input_is_one_sentence(capsys, tmp_path, arguments, words):

@@ -13,6 +13,7 @@ from typing import Any
 
 from rss_gym import observation
 from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, load
+from rss_gym.baselines.features import FEATURES, names
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS
 from rss_gym.params import Params, ParamsError, suggestion
@@ -94,13 +95,21 @@ def export_model(
     except Exception as error:  # of whatever kind: it runs code from the file
         text = " ".join(f"{type(error).__name__}: {error}".split())
         raise ParamsError(f"{os.fspath(path)!r} cannot be read as {kind.name}: {text}") from error
-    width, fields = model.observation_space.shape[0], len(observation.fields(params))
-    if width % fields:
-        raise ParamsError(
-            f"the model does not fit the world: it sees {width} numbers, not a multiple of {fields}; name the "
-            "environment it was trained in (--env) and what differed from it (--set intruders=2)"
-        )
-    return export(model, params, out, stack=width // fields, training={"source": Path(path).name})
+    stack, features = _seen(model.observation_space.shape[0], params)
+    return export(model, params, out, stack=stack, features=features, training={"source": Path(path).name})
+
+
+def _seen(width: int, params: Params) -> tuple[int, str]:
+    """How many observations stacked, and which features, make so many numbers."""
+    fields = len(observation.fields(params))
+    for kind in FEATURES:
+        stack, rest = divmod(width - len(names(kind, params)), fields)
+        if stack >= 1 and not rest:
+            return stack, kind
+    raise ParamsError(
+        f"the model does not fit the world: it sees {width} numbers, not a multiple of {fields}, with or without "
+        "features; name the environment it was trained in (--env) and what differed from it (--set intruders=2)"
+    )
 
 
 def kind_of(path: str | os.PathLike[str]) -> str:

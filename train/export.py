@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym import observation
 from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Agent, Network, load
+from rss_gym.baselines.features import append
 from rss_gym.core import Batch, decode
 from rss_gym.files import new_folder
 from rss_gym.params import Params, ParamsError
@@ -53,6 +53,7 @@ def export(
     out: str | os.PathLike[str],
     normalisation: Normalisation | None = None,
     stack: int = 1,
+    features: str = "none",
     training: dict[str, Any] | None = None,
 ) -> float:
     """Write `policy.json` and `policy.safetensors` into the new folder `out`.
@@ -69,6 +70,8 @@ def export(
         What `VecNormalize` did to the (stacked) observations.
     stack : int
         Observations stacked by `VecFrameStack`.
+    features : str
+        What stands behind them, one of `rss_gym.baselines.features.FEATURES`.
     training : dict, optional
         Record of the training, in JSON types.
 
@@ -85,7 +88,7 @@ def export(
     """
     from safetensors.numpy import save
 
-    document, tensors = _described(model, world, normalisation, stack)
+    document, tensors = _described(model, world, normalisation, stack, features)
     with new_folder(out) as folder:
         _write_document(folder, document)
         (folder / WEIGHTS).write_bytes(save(tensors))
@@ -99,32 +102,32 @@ def export(
     return difference
 
 
-def agent(model: Any, world: Params, normalisation: Normalisation | None = None, stack: int = 1) -> Agent:
+def agent(
+    model: Any, world: Params, normalisation: Normalisation | None = None, stack: int = 1, features: str = "none"
+) -> Agent:
     """The policy that `export` would write, in memory; for the parameters and errors see there."""
-    document, tensors = _described(model, world, normalisation, stack)
+    document, tensors = _described(model, world, normalisation, stack, features)
     network = Network(**document["network"])
     return Agent(network, {name: tensor.astype(np.float64) for name, tensor in tensors.items()}, world, document, "")
 
 
 def _described(
-    model: Any, world: Params, normalisation: Normalisation | None, stack: int
+    model: Any, world: Params, normalisation: Normalisation | None, stack: int, features: str
 ) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """`policy.json` without the training record, and the tensors of `policy.safetensors`."""
-    network, tensors = _taken(model, normalisation, stack)
-    fields = observation.fields(world)
-    axes = 2 if world.encounter.planar else 3
-    shapes = network.shapes(len(fields), axes)
+    network, tensors = _taken(model, normalisation, stack, features)
+    shapes = network.shapes(world)
     for name, shape in shapes.items():
         if tensors[name].shape != shape:
             raise ParamsError(
-                f"the model does not fit the world: {name} is {tensors[name].shape}, and {len(fields)} fields, stack "
-                f"{stack} and {axes} axes of action need {shape}; name the environment it was trained in"
+                f"the model does not fit the world: {name} is {tensors[name].shape}, and stack {stack} with features "
+                f"{features!r} needs {shape}; name the environment it was trained in"
             )
     document = {
         "format": FORMAT,
         "network": dataclasses.asdict(network),
         "interface": world.interface.to_dict(),
-        "observation": [field.name for field in fields],
+        "observation": network.inputs(world),
         "training": {},
     }
     return document, {name: tensors[name] for name in shapes}
@@ -146,7 +149,8 @@ def compare(model: Any, folder: Path, world: Params, normalisation: Normalisatio
     for _ in range(OBSERVATIONS // rows):
         stacked[first] = 0.0
         stacked = np.concatenate([stacked, batch.observations], axis=1)[:, batch.observations.shape[1] :]
-        seen = stacked.astype(np.float32) if normalisation is None else normalisation(stacked)
+        seen = append(agent.network.features, stacked, agent.world)
+        seen = seen.astype(np.float32) if normalisation is None else normalisation(seen)
         expected, state = model.predict(seen, state=state, episode_start=first, deterministic=True)
         actions, memory = agent.predict(batch.observations, memory, first)
         worst = max(worst, float(np.abs(actions - expected).max()))
@@ -157,7 +161,9 @@ def compare(model: Any, folder: Path, world: Params, normalisation: Normalisatio
     return worst
 
 
-def _taken(model: Any, normalisation: Normalisation | None, stack: int) -> tuple[Network, dict[str, np.ndarray]]:
+def _taken(
+    model: Any, normalisation: Normalisation | None, stack: int, features: str
+) -> tuple[Network, dict[str, np.ndarray]]:
     """Architecture and tensors of the part of the model that acts."""
     policy, kind = model.policy, type(model).__name__
     lstm = getattr(policy, "lstm_actor", None)
@@ -190,6 +196,7 @@ def _taken(model: Any, normalisation: Normalisation | None, stack: int) -> tuple
         layers=tuple(layer.out_features for layer in linear),
         activation=activation,
         stack=stack,
+        features=features,
         lstm=units,
         squash=squash,
         clip=0.0 if normalisation is None else normalisation.clip,

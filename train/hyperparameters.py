@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from rss_gym.baselines.agent import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
+from rss_gym.baselines.features import FEATURES
 from rss_gym.params import Group, ParamsError, choice, number, suggestion
 
 Activation = Literal["tanh", "relu"]
@@ -38,6 +39,11 @@ def automatic() -> Any:
 def units(*default: int) -> Any:
     """A field that lists the units of hidden layers."""
     return field(default=default, metadata={"units": UNITS_LIMIT})
+
+
+def features() -> Any:
+    """A field that names what is computed from the observation and stands behind it."""
+    return field(default="none", metadata={"known": FEATURES})
 
 
 class Hyperparameters(Group):
@@ -135,6 +141,7 @@ class PpoNetwork(Hyperparameters):
 
     net_arch: tuple[int, ...] = units(64, 64)
     activation: str = choice("tanh", Activation)
+    features: str = features()
     log_std_init: float = number(0.0, -10.0, 2.0)
     ortho_init: bool = True
 
@@ -160,6 +167,7 @@ class SacNetwork(Hyperparameters):
 
     net_arch: tuple[int, ...] = units(256, 256)
     activation: str = choice("relu", Activation)
+    features: str = features()
     n_critics: int = number(2, 1, 10)
 
 
@@ -177,6 +185,43 @@ class Vec(Group):
     normalise_observation: bool = False
     clip_reward: float = number(10.0, 1e-3, 1e9)
     clip_observation: float = number(10.0, 1e-3, 1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Imitation(Group):
+    """What the actor of PPO learns from a scripted rule before its own training; nothing where `episodes` is zero.
+
+    The rows are flown by the rule, disturbed so that states off its path are seen too, and the actor's mean is fitted
+    to the rule's actions by least squares.
+
+    Parameters
+    ----------
+    policy : str
+        As on the command line, `mpc` or `mpc:radius_m=35`; it commands displacements up to the world's reach.
+    episodes : int
+        Encounters to fly.
+    disturbance_m : float
+        Standard deviation of the disturbance on each axis, which is correlated from decision to decision.
+    epochs, batch_size : int
+    learning_rate : float
+        The greatest of the one cycle that it goes through.
+    critic_steps : int
+        So many first decisions of the training teach the critic alone: one that knows nothing spoils the actor.
+    """
+
+    policy: str = "mpc"
+    episodes: int = number(0, 0, 10**6)
+    disturbance_m: float = number(3.5, 0.0, 1000.0)
+    epochs: int = number(12, 1, 1000)
+    batch_size: int = number(4096, 1, 10**6)
+    learning_rate: float = number(4e-3, 1e-8, 1.0)
+    critic_steps: int = number(0, 0, 10**12)
+
+    def __post_init__(self) -> None:
+        """Check that the rule's name is a text; the recipe checks the rest of it."""
+        Group.__post_init__(self)
+        if not isinstance(self.policy, str):
+            raise ParamsError(f"policy must name a scripted rule, got {self.policy!r}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,6 +20,7 @@ from rss_gym.baselines.agent import Agent
 from rss_gym.params import ParamsError
 from rss_gym.train import export
 from rss_gym.train.course import Course
+from rss_gym.train.features import Features
 from rss_gym.train.hyperparameters import ALGORITHMS, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
 from rss_gym.train.recipe import Recipe
 
@@ -64,6 +65,8 @@ class Learner:
         vec, kind = recipe.vec, ALGORITHMS[recipe.algorithm]
         course = Course(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
         venv: VecEnv = VecFrameStack(course, vec.stack) if vec.stack > 1 else course
+        if recipe.policy.features != "none":
+            venv = Features(venv, recipe.policy.features, recipe.params)
         if vec.normalise_reward or vec.normalise_observation:
             venv = VecNormalize(
                 venv,
@@ -143,13 +146,27 @@ class Learner:
         """Of observations, as it is now."""
         return export.Normalisation.of(self.venv) if isinstance(self.venv, VecNormalize) else None
 
+    @property
+    def _wrapped(self) -> tuple[export.Normalisation | None, int, str]:
+        """What stands between the rows and the model: normalisation as it is now, stack, features."""
+        return self.normalisation, self.recipe.vec.stack, self.recipe.policy.features
+
     def agent(self) -> Agent:
         """The policy as it is now."""
-        return export.agent(self.model, self.recipe.params, self.normalisation, self.recipe.vec.stack)
+        return export.agent(self.model, self.recipe.params, *self._wrapped)
 
     def export(self, out: Path, training: dict[str, Any]) -> float:
         """Write it as a policy folder; see `rss_gym.train.export.export`."""
-        return export.export(self.model, self.recipe.params, out, self.normalisation, self.recipe.vec.stack, training)
+        return export.export(self.model, self.recipe.params, out, *self._wrapped, training)
+
+    def hold_actor(self) -> None:
+        """Let the actor that has imitated a rule stay as it is until the critic can judge it."""
+        table, policy = self.recipe.imitation, cast(Any, self.model.policy)
+        if table.episodes:
+            free = self.model.num_timesteps >= table.critic_steps
+            for part in (policy.mlp_extractor.policy_net, policy.action_net):
+                part.requires_grad_(free)
+            policy.log_std.requires_grad_(free)
 
     def look_at_buffer(self) -> None:
         """Let a model whose replay buffer was empty learn on once it holds `learning_starts` decisions of its own."""
@@ -160,6 +177,10 @@ class Learner:
     def move(self, stage: int) -> None:
         """Go on in the world of a stage of the curriculum, with new episodes in all rows."""
         self.course.move(self.recipe.params_of(stage))
+        self.restart()
+
+    def restart(self) -> None:
+        """Let a model that is learning go on with new episodes in all rows."""
         model = cast(Any, self.model)
         model._last_obs = self.venv.reset()
         model._last_episode_starts = np.ones(self.venv.num_envs, bool)
@@ -184,5 +205,6 @@ def _network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
     from torch import nn
 
     found = table.to_dict()
+    del found["features"]  # of the rows
     found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]
     return found

@@ -19,6 +19,7 @@ from tqdm import tqdm
 
 from rss_gym.baselines.agent import load
 from rss_gym.files import replaced_folder, tidy
+from rss_gym.train.imitation import imitate
 from rss_gym.train.learner import STATE, Learner
 from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
@@ -88,8 +89,8 @@ def train_seed(
         checkpoint, seed = folder / CHECKPOINT, index * SEED_STRIDE
         resumed = (checkpoint / STATE).exists()
         learner = Learner.saved(recipe, seed, checkpoint) if resumed else Learner.new(recipe, seed)
-        done = learner.model.num_timesteps
-        rounds = Rounds(learner, folder, f"seed {index}", {**record, "seed": seed})
+        done, imitates = learner.model.num_timesteps, not resumed and recipe.imitation.episodes > 0
+        rounds = Rounds(learner, folder, f"seed {index}", {**record, "seed": seed}, imitates)
         learner.model.set_logger(Logger(str(folder), _outputs(folder, done)))
         if done >= recipe.steps:
             return rounds.times
@@ -121,13 +122,17 @@ class Rounds(BaseCallback):
         For lines that are printed.
     record : dict
         Of the training.
+    imitates : bool
+        Whether the training begins with the imitation of a rule.
     """
 
     bar: tqdm
 
-    def __init__(self, learner: Learner, folder: Path, name: str, record: dict[str, Any]) -> None:
+    def __init__(
+        self, learner: Learner, folder: Path, name: str, record: dict[str, Any], imitates: bool = False
+    ) -> None:
         super().__init__()
-        self.learner, self.folder, self.name, self.record = learner, folder, name, record
+        self.learner, self.folder, self.name, self.record, self.imitates = learner, folder, name, record, imitates
         recipe, self.first = learner.recipe, learner.model.num_timesteps
         self.validator = Validator(recipe.params, recipe.validation.episodes)
         self.validations = Table(folder / VALIDATION, "steps", self.first)
@@ -143,7 +148,11 @@ class Rounds(BaseCallback):
         self._seen = self.first
 
     def _on_training_start(self) -> None:
-        self._began = perf_counter()
+        if self.imitates:
+            self._say(imitate(self.learner))
+            self.learner.restart()
+            self._save()
+        self._began, self.learner.course.spent_s = perf_counter(), 0.0
         policy: Any = self.model.policy
         for name in ("forward", "predict", "predict_values"):  # what acts: SAC's, or the others'
             if hasattr(policy, name):
@@ -154,6 +163,8 @@ class Rounds(BaseCallback):
         if (self.folder / CHECKPOINT / SAFEST).exists():
             text = (self.folder / CHECKPOINT / SAFEST).read_text(encoding="utf-8")
             self.choice.safest = safest_from_dict(json.loads(text))
+        if self.imitates:
+            self._validate()
 
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **keywords: Any) -> Any:
@@ -179,6 +190,7 @@ class Rounds(BaseCallback):
                 act()
         self._seen = steps
         self.learner.look_at_buffer()
+        self.learner.hold_actor()
         stage = self.learner.recipe.stage(steps)
         if stage != self._stage:
             self._say(f"stage {stage} of the curriculum")

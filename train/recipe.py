@@ -13,16 +13,28 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
 
+from rss_gym import baselines
+from rss_gym.baselines.policy import Scripted
 from rss_gym.core import spaces
 from rss_gym.encounters import chosen
 from rss_gym.ids import IDS
 from rss_gym.params import Group, Params, ParamsError, load_channel, suggestion
-from rss_gym.train.hyperparameters import ALGORITHMS, Checkpoint, Ppo, PpoNetwork, Sac, SacNetwork, Validation, Vec
+from rss_gym.train.hyperparameters import (
+    ALGORITHMS,
+    Checkpoint,
+    Imitation,
+    Ppo,
+    PpoNetwork,
+    Sac,
+    SacNetwork,
+    Validation,
+    Vec,
+)
 
 FOLDER = Path(__file__).parent / "recipes"
 STEPS_MAX = 10**12
 SIZE_MAX = 65536  # bytes
-SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "curriculum", "validation", "checkpoint")
+SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
 HEAD = ("summary", "algorithm", "env", "steps")
 
 
@@ -49,7 +61,7 @@ class Recipe:
         Decisions of one seed, over all rows.
     world : dict
         Parameters that differ from those of the id; several channels are drawn from once per episode.
-    vec, hyperparameters, policy, validation, checkpoint : Group
+    vec, hyperparameters, policy, imitation, validation, checkpoint : Group
         The tables.
     curriculum : tuple of Stage
         In order; before the first one the world is `world`, which is also the world of the validation.
@@ -64,6 +76,7 @@ class Recipe:
     vec: Vec
     hyperparameters: Ppo | Sac
     policy: PpoNetwork | SacNetwork
+    imitation: Imitation
     curriculum: tuple[Stage, ...]
     validation: Validation
     checkpoint: Checkpoint
@@ -89,6 +102,38 @@ class Recipe:
                     f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got "
                     f"{self.hyperparameters.batch_size}"
                 )
+        if self.imitation.episodes:
+            if self.algorithm != "ppo":
+                raise ParamsError(f"[imitation]: only the actor of ppo can imitate, got algorithm {self.algorithm!r}")
+            _ = self.teacher  # refuses what cannot be imitated
+
+    @property
+    def teacher(self) -> Scripted:
+        """The rule that is imitated.
+
+        Raises
+        ------
+        ParamsError
+            If there is no such rule, or it does not fly with the interface of the world.
+        """
+        name, wanted = self.imitation.policy, self.params.interface
+        try:
+            teacher = baselines.make(name, self.params)
+        except ParamsError as error:
+            raise ParamsError(f"[imitation]: {error}") from error
+        if not isinstance(teacher, Scripted):
+            raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
+        found = teacher.world.interface
+        for field in ("track", "action", "reach_m"):
+            given, needed = getattr(wanted, field), getattr(found, field)
+            if given != needed:
+                raise ParamsError(
+                    f"[imitation]: policy {name!r} flies with {field} = {needed!r}, and [world] has {given!r}; set one "
+                    "to the other"
+                )
+        if found.action != "displacement":
+            raise ParamsError(f"[imitation]: policy {name!r} must command displacements, got action {found.action!r}")
+        return teacher
 
     @property
     def params(self) -> Params:
@@ -116,6 +161,7 @@ class Recipe:
             "vec": self.vec.to_dict(),
             "algorithm": self.hyperparameters.to_dict(),
             "policy": self.policy.to_dict(),
+            "imitation": self.imitation.to_dict(),
             "curriculum": [{"start": stage.start, **stage.world} for stage in self.curriculum],
             "validation": self.validation.to_dict(),
             "checkpoint": self.checkpoint.to_dict(),
@@ -191,6 +237,7 @@ def from_dict(name: str, tables: Mapping[str, Any]) -> Recipe:
             vec=_group("vec", Vec(), tables),
             hyperparameters=_group("algorithm", kind.hyperparameters(), tables),
             policy=_group("policy", kind.network(), tables),
+            imitation=_group("imitation", Imitation(), tables),
             curriculum=tuple(_stage(table) for table in tables.get("curriculum", [])),
             validation=_group("validation", Validation(), tables),
             checkpoint=_group("checkpoint", Checkpoint(), tables),

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rss_gym import baselines
+from rss_gym.params import ParamsError
 
 
 @dataclass(frozen=True)
@@ -35,17 +36,12 @@ class Curve:
 
 def parsed(spec: str) -> tuple[str, dict[str, float]] | None:
     """Name and options of a scripted policy, defaults included; None for anything else."""
-    name, _, tail = spec.partition(":")
-    if name not in baselines.POLICIES:
+    try:
+        found = baselines.parse(spec)
+    except ParamsError:
         return None
-    options = {key: float(value) for key, value in baselines.describe()[name]["options"].items()}
-    for item in filter(None, tail.split(",")):
-        key, _, value = item.partition("=")
-        try:
-            options[key.strip()] = float(value)
-        except ValueError:
-            return None
-    return name, options
+    defaults = baselines.describe()[found.rule]["options"]
+    return found.name, {key: float(value) for key, value in (defaults | found.options).items()}
 
 
 def find(specs: Sequence[str | None]) -> list[Curve]:

@@ -9,6 +9,7 @@ from rss_gym.encounters.crossing import CROSSING
 from rss_gym.encounters.degenerate import EQUAL_VELOCITIES, EXACT_HEAD_ON, HOVERING, START_NEAR_ZONE, TAIL_CHASE
 from rss_gym.encounters.family import Family
 from rss_gym.encounters.head_on import HEAD_ON
+from rss_gym.encounters.near_parallel import NEAR_PARALLEL
 from rss_gym.encounters.no_conflict import NO_CONFLICT
 from rss_gym.encounters.overtaking import OVERTAKING
 from rss_gym.encounters.parallel_pass import PARALLEL_PASS
@@ -24,6 +25,7 @@ FAMILIES: dict[str, Family] = {
     "turning": TURNING,
     "parallel-pass": PARALLEL_PASS,
     "no-conflict": NO_CONFLICT,
+    "near-parallel": NEAR_PARALLEL,
     "exact-head-on": EXACT_HEAD_ON,
     "tail-chase": TAIL_CHASE,
     "equal-velocities": EQUAL_VELOCITIES,

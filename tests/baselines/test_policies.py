@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rss_gym import baselines
+from rss_gym import baselines, observation
 from rss_gym.core import Batch, decode
 from rss_gym.params import Params, ParamsError
 
@@ -16,7 +16,8 @@ WORLDS = {
 
 
 def world_for(name, keywords):
-    """A world on a track that the policy can fly."""
+    """A world that the policy can fly in."""
+    keywords = ({"planar": False} if baselines.POLICIES[name].in_space else {}) | keywords
     return Params.of(track="range", **keywords) if name == "modified-orthogonal" else Params.of(**keywords)
 
 
@@ -101,11 +102,30 @@ def test_bad_specifications_are_refused_in_one_sentence(spec, words):
 def test_the_rule_listens_to_messages_only():
     policy = baselines.make("orthogonal:radius_m=60")
     for observations, actions, _ in flown(policy, 32, 120):
-        from rss_gym.observation import split
-
-        seen = split(observations, policy.world)
+        seen = observation.split(observations, policy.world)
         silent = (seen["warning"][:, 0] == 0.0) | (seen["message_valid"][:, 0] == 0.0)
         assert not actions[silent].any()
+
+
+def test_climb_flies_its_height():
+    policy = baselines.make("climb:up_m=8", Params.of(planar=False))
+    batch = Batch(policy.world, 64)
+    batch.reset(np.ones(64, bool))
+    for _ in range(40):
+        actions, _ = policy.predict(batch.observations)
+        batch.step(decode(actions, policy.world, 64), np.zeros(64, bool))
+    agent = batch.world.aircraft[:, 0]
+    np.testing.assert_allclose(np.mean(agent["position_m"] - agent["planned_m"], axis=0)[2], 8.0, atol=1.5)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_those_able_in_a_world_can_be_made_in_it(planar):
+    for track in ("oracle", "paper", "range"):
+        world = Params.of(track=track, planar=planar)
+        names = baselines.able(world)
+        assert ("climb" in names) is not planar and {"none", "constant", "orca", "mpc"} <= set(names)
+        assert ("modified-orthogonal" in names) is (track == "range")
+        assert {baselines.make(name, world).world.interface.track for name in names} == {track}
 
 
 def test_constant_flies_the_displacement_it_names():

@@ -33,7 +33,7 @@ def runs(tmp_path_factory):
     """Official and other runs."""
     folder = tmp_path_factory.mktemp("runs")
     return {
-        "official": scored(["none", "orthogonal", "orthogonal-oracle"], folder / "official", suite="smoke-v0"),
+        "official": scored(["none", "orthogonal", "orthogonal@oracle"], folder / "official", suite="smoke-v0"),
         "second": scored({"rule 80": "orthogonal:radius_m=80"}, folder / "second", suite="smoke-v0"),
         "short": scored(["orthogonal", "brake"], folder / "short", suite="smoke-v0", episodes=40),
         "seed 7": scored(["random"], folder / "seed 7", suite="smoke-v0", episodes=40, seed=7),
@@ -99,7 +99,7 @@ def test_one_table_a_track_official_runs_first(runs, tmp_path):
         "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 0 / Track paper",
         "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 7 / Track paper",
     ]
-    assert names[f"{official} / Track oracle"] == ["orthogonal-oracle"]
+    assert names[f"{official} / Track oracle"] == ["orthogonal@oracle"]
     assert set(names[f"{official} / Track paper"]) == {"rule 80", "orthogonal", "none", "flyers:NanOnce"}
     assert names[f"{official} / Track paper"][-2:] == ["none", "flyers:NanOnce"]
     assert any("orthogonal (record 3) is left out: orthogonal (record 1)" in note for note in notes)

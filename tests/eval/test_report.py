@@ -335,7 +335,7 @@ def test_curves_join_settings_of_one_rule():
         "orthogonal:radius_m=20, lookahead_s=5",
         "orthogonal:radius_m=40,lookahead_s=2",
         "orthogonal",  # radius 60
-        "orthogonal-oracle:radius_m=20",
+        "orthogonal@oracle:radius_m=20",
         "module:attribute",
         None,
     ]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from rss_gym.params import Params
-from rss_gym.positioning import trilaterate
+from rss_gym.positioning.trilateration import trilaterate
 from rss_gym.records import config
 
 NODES = config(Params())[0]["nodes_m"]

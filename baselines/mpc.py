@@ -1,0 +1,139 @@
+"""The regulator of (42) made predictive, as a policy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rss_gym.avoidance.predictive import cost
+from rss_gym.baselines.located import check_radius, locate, vectors
+from rss_gym.baselines.policy import Scripted
+from rss_gym.baselines.velocity_rule import HEIGHT_M
+from rss_gym.jit import kernel
+from rss_gym.params import number
+
+STEP_S = 0.5
+RINGS = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the reach
+DIRECTIONS = 12
+
+
+def candidates(reach_m: float, band_m: float) -> np.ndarray:
+    """Displacements (m, 3): none, rings in the plane, and in space (`band_m` > 0) above and below."""
+    angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(DIRECTIONS)], axis=1)
+    # Mirror images are equal to the last bit.
+    ring = np.round(ring, 12)
+    table = [np.zeros((1, 3)), *(reach_m * share * ring for share in RINGS)]
+    if band_m > 0.0:
+        table.append(band_m * np.array([[0.0, 0.0, up] for up in (1.0, -1.0, 0.5, -0.5)]))
+    return np.concatenate(table)
+
+
+@kernel
+def _steer(
+    table, error, velocity, way_point, cruise, known, position, speed, std,
+    radius_m, sigmas, drift_mps, height_m, steps, step_s, limits, effort_s, penalty_m, out,
+):  # fmt: skip
+    """Rows of the cheapest candidate; without an other in sight the path is followed."""
+    others = np.zeros((known.shape[1], 7))
+    for row in range(len(out)):
+        count = 0
+        for k in range(known.shape[1]):
+            if known[row, k]:
+                for axis in range(3):
+                    others[count, axis] = error[row, axis] + position[row, k, axis]
+                    others[count, 3 + axis] = speed[row, k, axis]
+                others[count, 6] = std[row, k]
+                count += 1
+        if count == 0:
+            continue
+        best, least = 0, np.inf
+        for c in range(len(table)):
+            value = cost(
+                error[row, 0], error[row, 1], error[row, 2], velocity[row, 0], velocity[row, 1], velocity[row, 2],
+                way_point[row, 0], way_point[row, 1], way_point[row, 2], table[c, 0], table[c, 1], table[c, 2],
+                cruise[row], others, count, radius_m, sigmas, drift_mps, height_m, steps, step_s,
+                limits[0], limits[1], limits[2], limits[3], limits[4], effort_s, penalty_m, least,
+            )  # fmt: skip
+            if value < least:
+                best, least = c, value
+        for axis in range(3):
+            out[row, axis] = table[best, axis]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mpc(Scripted):
+    """Predictive regulator of (42): the cheapest of enumerated way points over a horizon, chosen anew each decision.
+
+    Parameters
+    ----------
+    radius_m : float
+        Separation wanted, in the horizontal plane.
+    lookahead_s : float
+        The horizon.
+    sigmas : float
+        The radius grows by this many standard deviations of the other's position.
+    reach_m : float
+        Largest displacement among the candidates.
+    drift_mps : float
+        Growth of that standard deviation: the error of an announced velocity.
+    effort_s : float
+        kappa / q of (42).
+    penalty_m : float
+        Deviation that a whole radius of missing separation is worth.
+    """
+
+    radius_m: float = number(30.0, 1.0, 1000.0)
+    lookahead_s: float = number(10.0, 0.5, 120.0)
+    sigmas: float = number(1.0, 0.0, 10.0)
+    reach_m: float = number(60.0, 1.0, 1000.0)
+    drift_mps: float = number(0.2, 0.0, 10.0)
+    effort_s: float = number(1.0, 0.0, 100.0)
+    penalty_m: float = number(500.0, 0.0, 1e6)
+
+    reads_positions = True
+
+    def __post_init__(self) -> None:
+        """Check the radius against the world's zone."""
+        super().__post_init__()
+        check_radius(self.radius_m, self.world)
+
+    def interface(self) -> dict[str, Any]:
+        """Way points, as far as the candidates reach."""
+        return {"action": "displacement", "reach_m": self.reach_m}
+
+    def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
+        """The cheapest candidate."""
+        world, craft, others = self.world, self.world.aircraft, locate(seen, self.world)
+        out = np.zeros((len(memory), 3))
+        limits = (
+            craft.speed_max_mps,
+            craft.vertical_speed_max_mps,
+            craft.acceleration_max_mps2,
+            craft.position_gain_ps2,
+            craft.velocity_gain_ps,
+        )
+        _steer(
+            candidates(self.reach_m, 0.0 if world.encounter.planar else world.encounter.altitude_band_m),
+            vectors(seen, "track_error", "m"),
+            vectors(seen, "velocity", "mps"),
+            vectors(seen, "way_point", "m"),
+            seen["cruise_mps"],
+            others.known,
+            others.position_m,
+            others.velocity_mps,
+            others.std_m,
+            self.radius_m,
+            self.sigmas,
+            self.drift_mps,
+            HEIGHT_M,
+            max(round(self.lookahead_s / STEP_S), 1),
+            STEP_S,
+            limits,
+            self.effort_s,
+            self.penalty_m,
+            out,
+        )
+        return out / self.reach_m

@@ -1,0 +1,83 @@
+"""Makes the table of docs/calibration.md from recorded radio logs: python docs/calibration.py DATA_FOLDER (1 min)."""
+
+import argparse
+import re
+from pathlib import Path
+
+from rss_gym.calibration.calibrate import Calibration, calibrate
+from rss_gym.calibration.compare import FIGURES
+from rss_gym.calibration.logs import read
+from rss_gym.calibration.output import cell
+from rss_gym.files import write_text
+
+PAGE = Path(__file__).resolve().with_suffix(".md")
+# Folder below DATA_FOLDER: what it is, the logs to fit, the logs to test.
+SETS = {
+    "ble_tracks": (
+        "Bluetooth Low Energy beacon among twelve sensors indoors",
+        ["straight_*.csv"],
+        ["rectangular_*.csv", "zigzagging_*.csv"],
+    ),
+    "wifi_walk": (
+        "802.11, a telephone carried past six access points",
+        ["Library_213.csv", "Library_413.csv"],
+        ["Library_513.csv", "Library_613.csv"],
+    ),
+}
+
+
+def logs(folder: Path, patterns: list[str]) -> list[Path]:
+    """The files of a folder that match, in the order of their names."""
+    return [path for pattern in patterns for path in sorted(folder.glob(pattern))]
+
+
+def calibrated(folder: Path, name: str) -> Calibration:
+    """One set, fitted and tested on its own logs."""
+    _, fitted, tested = SETS[name]
+    return calibrate(read(logs(folder / name, fitted)), read(logs(folder / name, tested)))
+
+
+def samples(records) -> str:
+    """`7,687 samples of 5 logs`."""
+    return f"{sum(len(r.time_s) for r in records):,} samples of {len({r.source for r in records})} logs"
+
+
+def table(result: Calibration, name: str) -> str:
+    """One set as Markdown."""
+    fit, scores = result.fit, result.scores
+    noise, factors = fit.noise, [link.path_loss.path_loss_factor for link in fit.links.values()]
+    p80_m = {key: score.p80_m.value for key, score in scores.items()}
+    lines = [
+        f"### {name}",
+        "",
+        f"{SETS[name][0]}. Fitted: {samples(fit.records)}; tested: {samples(result.tested)}; {len(fit.links)} links.",
+        f"Path loss factor {min(factors):.2f} to {max(factors):.2f}, middle {fit.channel.path_loss_factor:.2f}; white "
+        f"{noise.white_variance_db2:.3g} ± {noise.white_variance_std_db2:.1g} dB², coloured "
+        f"{noise.coloured_variance_db2:.3g} ± {noise.coloured_variance_std_db2:.1g} dB² over "
+        f"{noise.coloured_tc_s:.3g} ± {noise.coloured_tc_std_s:.1g} s.",
+        *(f"Warning: {warning}." for warning in fit.warnings),
+        f"At 80 % the coloured filter errs by {p80_m['ekf-coloured'] / p80_m['constant']:.2f} of the constant guess, "
+        f"{p80_m['ekf-coloured'] / p80_m['ls']:.2f} of least squares and "
+        f"{p80_m['ekf-coloured'] / p80_m['ekf-white']:.2f} of the white filter with R + S.",
+        "",
+        "| range error, m | " + " | ".join(FIGURES.values()) + " |",
+        "|---|" + "---|" * len(FIGURES),
+    ]
+    for key, method in result.methods.items():
+        lines.append(f"| {method.title} | " + " | ".join(cell(getattr(scores[key], f)) for f in FIGURES) + " |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Write the tables between their markers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, metavar="DATA_FOLDER", help="folder with " + " and ".join(SETS))
+    folder = parser.parse_args().folder
+    tables = "\n\n".join(table(calibrated(folder, name), name) for name in SETS)
+    marked = r"(<!-- errors -->\n).*?(\n<!-- /errors -->)"
+    text = re.sub(marked, lambda found: found[1] + tables + found[2], PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    write_text(PAGE, text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""The augmented filter (12)-(21) with the state [x, phi], x = ln d: the RSS (2) is linear in it, without a Jacobian.
+
+    x(n) = x(n-1) + ln(1 + psi(n-1) / d(n-1)) + w(n-1),    RSS(n) = offset - (10 gamma / ln 10) x(n) + phi(n) + v(n).
+
+psi enters as psi / d to first order; the logarithm is what the range d + psi gives, and stays finite near d = 0. With
+psi = 0 this is a linear Kalman filter. The process noise w is relative: its variance has no unit.
+"""
+
+from rss_gym.jit import inner, kernel
+from rss_gym.physics.elementary import exp, log
+from rss_gym.physics.path_loss import LN10
+from rss_gym.ranging.batch import filter_records
+
+
+@kernel(inline="always")
+def predict(x, phi, p_xx, p_xp, p_pp, psi_m, process_noise, a, sigma_w2, floor_m):
+    """(16)-(17) with A = diag(d / (d + psi), a), W = diag(1, a); d + psi is held above `floor_m`.
+
+    Parameters
+    ----------
+    x, phi : float
+        Logarithm of the range in m, coloured noise (dB).
+    p_xx, p_xp, p_pp : float
+        Their covariance (1, dB, dB^2).
+    psi_m : float
+        Change of the range over the interval, m; 0 when unknown.
+    process_noise, a, sigma_w2, floor_m : float
+        Var(w), e^{lambda Delta}, the standard deviation of w2 of (13), the smallest range.
+
+    Returns
+    -------
+    tuple of float
+        x, phi, p_xx, p_xp, p_pp a priori.
+    """
+    b = 1.0
+    if psi_m != 0.0:
+        before_m = exp(x)
+        after_m = max(before_m + psi_m, floor_m)
+        x, b = log(after_m), before_m / after_m
+    return x, a * phi, b * b * p_xx + process_noise, a * b * p_xp, a * a * (p_pp + sigma_w2 * sigma_w2)
+
+
+@kernel(inline="always")
+def innovate(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2):
+    """Innovation (dB) of (20) and its variance (dB^2), the bracket of (19)."""
+    h = -10.0 * path_loss_factor / LN10
+    variance = h * (p_xx * h + p_xp) + (p_xp * h + p_pp) + white_variance_db2
+    return rss_dbm - (offset_dbm + h * x + phi), variance
+
+
+@kernel(inline="always")
+def update(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2, floor_m):
+    """(18)-(21) with the constant row h = (-10 gamma / ln 10, 1), Joseph form; the range stays above `floor_m`."""
+    h = -10.0 * path_loss_factor / LN10
+    error, variance = innovate(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, white_variance_db2)
+    k_x, k_p = (p_xx * h + p_xp) / variance, (p_xp * h + p_pp) / variance
+    i_xx, i_xp, i_px, i_pp = 1.0 - k_x * h, -k_x, -k_p * h, 1.0 - k_p
+    m_xx, m_xp = i_xx * p_xx + i_xp * p_xp, i_xx * p_xp + i_xp * p_pp
+    m_px, m_pp = i_px * p_xx + i_pp * p_xp, i_px * p_xp + i_pp * p_pp
+    r = white_variance_db2
+    p_xx = m_xx * i_xx + m_xp * i_xp + k_x * r * k_x
+    p_xp = m_xx * i_px + m_xp * i_pp + k_x * r * k_p
+    p_pp = m_px * i_px + m_pp * i_pp + k_p * r * k_p
+    return max(x + k_x * error, log(floor_m)), phi + k_p * error, p_xx, p_xp, p_pp
+
+
+@inner
+def _prior(setting):
+    relative = setting.prior_std_m / setting.prior_range_m
+    return log(setting.prior_range_m), 0.0, relative * relative, 0.0, setting.coloured_variance_db2
+
+
+@inner
+def _predict(state, psi_m, process_noise, a, sigma_w2, setting):
+    x, phi, p_xx, p_xp, p_pp = state
+    return predict(x, phi, p_xx, p_xp, p_pp, psi_m, process_noise, a, sigma_w2, setting.range_floor_m)
+
+
+@inner
+def _update(state, rss_dbm, setting):
+    x, phi, p_xx, p_xp, p_pp = state
+    return update(
+        x, phi, p_xx, p_xp, p_pp, rss_dbm,
+        setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2, setting.range_floor_m,
+    )  # fmt: skip
+
+
+@inner
+def _innovation(state, rss_dbm, setting):
+    x, phi, p_xx, p_xp, p_pp = state
+    return innovate(
+        x, phi, p_xx, p_xp, p_pp, rss_dbm,
+        setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2,
+    )  # fmt: skip
+
+
+@kernel
+def run(time_s, rss_dbm, rate_mps, setting, out):
+    """The filter over a batch of records; the first sample is an update like any other, as it is exact."""
+    filter_records(_prior, _update, _predict, _update, _innovation, exp, time_s, rss_dbm, rate_mps, setting, out)
