@@ -9,6 +9,7 @@ SMALL = {
     "algorithm.batch_size": 256,
     "algorithm.n_epochs": 2,
     "policy.net_arch": [8],
+    "imitation.episodes": 0,
     "validation.every_steps": 2048,
     "validation.episodes": 40,
     "checkpoint.every_steps": 1024,

@@ -77,13 +77,13 @@ def test_a_model_gives_the_policy_of_its_run(capsys, finished, tmp_path):
 @pytest.mark.parametrize("name", ["ppo", "recurrent-ppo", "sac"])
 def test_the_algorithm_is_told_by_the_file(name, tmp_path):
     changes = {"vec.n_envs": 4, "policy.net_arch": [8], "vec.stack": 2, "world.intruders": 2}
-    changes |= {"algorithm.buffer_size": 64} if name == "sac" else {"algorithm.n_steps": 1024}
+    changes |= {"algorithm.buffer_size": 64} if name == "sac" else {"algorithm.n_steps": 2048}
     learner = Learner.new(recipe.load(name, changes), 0)
     learner.save_model(tmp_path / "model.zip")
     assert kind_of(tmp_path / "model.zip") == name
     assert export_model(tmp_path / "model.zip", tmp_path / "agent", world={"intruders": 2}) <= 1e-5
     agent = load(tmp_path / "agent", Params.of(intruders=2))
-    assert agent.network.stack == 2
+    assert (agent.network.stack, agent.network.features) == (2, "approach" if name == "ppo" else "none")
     with pytest.raises(ParamsError, match=r"--env.*--set") as caught:
         export_model(tmp_path / "model.zip", tmp_path / "other", world={"intruders": 3})
     assert "\n" not in str(caught.value)
@@ -117,7 +117,7 @@ def test_options_of_a_model_are_not_for_a_run(capsys, finished, tmp_path):
 
 def test_a_folder_is_a_policy(folder):
     policy = baselines.make(str(folder), Params())
-    assert policy.digest == load(folder).digest and policy.world == Params()
+    assert policy.digest == load(folder).digest and policy.world == Params.of(reach_m=60.0)
     for name in ("model.zip", "model.pkl", "a:b.pt"):
         with pytest.raises(ParamsError, match="rss-gym export"):
             baselines.make(name)
@@ -135,6 +135,13 @@ def test_scores_of_a_folder_are_verified_and_listed(capsys, folder, tmp_path):
     status, out, _ = call(capsys, "verify", str(record), "--all")
     assert status == 0 and "flown again: 60 encounters of each of none, mine" in out
     assert call(capsys, "leaderboard", str(record), "--out", str(tmp_path / "site"))[0] == 0
+
+
+def test_agents_of_runs_go_by_the_names_of_the_runs(capsys, folder, tmp_path):
+    runs = [shutil.copytree(folder, tmp_path / name / "agent") for name in ("first", "second")]
+    status, out, _ = evaluated(capsys, runs[0], tmp_path / "record", "--policy", *map(str, runs), "orthogonal")
+    assert status == 0 and "\nfirst " in out and "\nsecond " in out and "\north" in out
+    assert call(capsys, "verify", str(tmp_path / "record"), "--all")[0] == 0
 
 
 def test_a_folder_that_changed_is_not_verified(capsys, folder, finished, tmp_path):

@@ -13,9 +13,11 @@ from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.vec_env import VecFrameStack, VecNormalize
 
 from rss_gym.baselines.agent import load
+from rss_gym.baselines.features import append
 from rss_gym.params import Params, ParamsError
 from rss_gym.sb3 import make_vec_env
 from rss_gym.train.export import Normalisation, export
+from rss_gym.train.features import Features
 
 WORLDS = {
     "plane": ("rss_gym/Encounter-v0", {}),
@@ -77,6 +79,52 @@ def test_normalisation_and_stack(tmp_path):
         actions, memory = agent.predict(venv.batch.observations.copy(), memory, first)
         np.testing.assert_allclose(actions, expected, atol=1e-5)
         seen, _, first, _ = wrapped.step(expected)
+
+
+@pytest.mark.parametrize("world", sorted(WORLDS))
+def test_features_stand_behind_stacked_observations(world, tmp_path):
+    name, keywords = WORLDS[world]
+    venv = make_vec_env(name, 4, seed=1, **keywords)
+    wrapped = VecNormalize(Features(VecFrameStack(venv, 2), "approach", venv.params), clip_obs=3.0)
+    model = model_of(PPO, wrapped, net_arch=[16])
+    model.learn(400)
+    normalisation = Normalisation.of(wrapped)
+    assert export(model, venv.params, tmp_path / "agent", normalisation, stack=2, features="approach") <= 1e-5
+    agent = load(tmp_path / "agent", venv.params)
+    assert (agent.network.stack, agent.network.features) == (2, "approach")
+    wrapped.training = False
+    wrapped.seed(5)
+    seen, memory, first = wrapped.reset(), None, np.ones(4, bool)
+    told = False
+    for _ in range(300):
+        told = told or bool(venv.batch.others["valid"].any())
+        expected, _ = model.predict(seen, deterministic=True)
+        actions, memory = agent.predict(venv.batch.observations.copy(), memory, first)
+        np.testing.assert_allclose(actions, expected, atol=1e-5)
+        seen, _, first, infos = wrapped.step(expected)
+        for row in np.flatnonzero(first):
+            assert infos[row]["terminal_observation"].shape == seen[row].shape
+    assert told
+
+
+def test_the_last_observation_of_an_episode_has_its_own_features():
+    """Not those of the episode that has begun."""
+    venv, plain = (make_vec_env("rss_gym/Encounter-v0", 16, seed=1) for _ in range(2))
+    wrapped = Features(venv, "approach", venv.params)
+    assert wrapped.observation_space.contains(wrapped.reset()[0])
+    plain.reset()
+    ended = 0
+    for _ in range(250):
+        seen, _, dones, infos = wrapped.step(np.zeros((16, 2), np.float32))
+        bare, _, _, others = plain.step(np.zeros((16, 2), np.float32))
+        np.testing.assert_array_equal(seen, append("approach", bare, venv.params))
+        for row in np.flatnonzero(dones):
+            last = others[row]["terminal_observation"]
+            expected = append("approach", last[None], venv.params)[0]
+            np.testing.assert_array_equal(infos[row]["terminal_observation"], expected)
+            assert not np.array_equal(last, bare[row])
+            ended += 1
+    assert ended >= 16
 
 
 def test_rows_do_not_depend_on_the_batch(tmp_path):
@@ -184,6 +232,9 @@ def poison(found):
         (edit(network__layers="8"), "layers"),
         (edit(network__activation="elu"), "activation"),
         (edit(network__stack=0), "stack"),
+        (edit(network__features="aproach"), "did you mean 'approach'"),
+        (edit(network__features=["approach"]), "features"),
+        (edit(network__features="approach"), "fields and features"),
         (edit(network__lstm=True), "lstm"),
         (edit(network__clip=float("nan")), "clip"),
         (edit(network__squash=1), "squash"),

@@ -25,9 +25,13 @@ def test_shipped_recipes_name_every_hyperparameter(name):
         ("vec", recipe.vec),
         ("algorithm", recipe.hyperparameters),
         ("policy", recipe.policy),
+        ("imitation", recipe.imitation),
         ("validation", recipe.validation),
         ("checkpoint", recipe.checkpoint),
     ):
+        if section == "imitation" and not recipe.imitation.episodes:
+            assert section not in written
+            continue
         assert sorted(written[section]) == sorted(field.name for field in dataclasses.fields(group))
     assert recipe.summary
 
@@ -88,7 +92,7 @@ def test_stages():
         },
     )
     assert [recipe.stage(steps) for steps in (0, 199, 200, 499, 500, 1000)] == [0, 0, 1, 1, 2, 2]
-    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [35.0, 20.0, 35.0]
+    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [40.0, 20.0, 40.0]
     assert [recipe.params_of(stage).reward.collision for stage in range(3)] == [100.0, 100.0, 10.0]
 
 
@@ -110,6 +114,18 @@ def test_stages():
         ({"policy.net_arch": [8] * 9}, ["net_arch", "8 layers"]),
         ({"policy.activation": "tan"}, ["activation", "did you mean 'tanh'"]),
         ({"policy.lstm_hidden_size": 8}, ["[policy]", "'lstm_hidden_size'"]),
+        ({"policy.features": "aproach"}, ["[policy]", "'aproach'", "did you mean 'approach'"]),
+        ({"policy.features": ["approach"]}, ["[policy]", "features", "known: approach, none"]),
+        ({"imitation.policy": 3}, ["[imitation]", "policy", "3"]),
+        ({"imitation.policy": "orka"}, ["[imitation]", "'orka'", "did you mean 'orca'"]),
+        ({"imitation.policy": "mpc:radius=3"}, ["[imitation]", "'radius'", "did you mean 'radius_m'"]),
+        ({"imitation.policy": "a:b"}, ["[imitation]", "'a'", "unknown"]),
+        ({"imitation.policy": "orca"}, ["[imitation]", "'orca'", "action", "'velocity'"]),
+        ({"imitation.policy": "mpc@oracle"}, ["[imitation]", "'mpc@oracle'", "track", "'oracle'"]),
+        ({"world.reach_m": 30.0}, ["[imitation]", "'mpc'", "reach_m = 60.0", "[world] has 30.0"]),
+        ({"world.action": "velocity", "imitation.policy": "mvp"}, ["[imitation]", "displacements", "'velocity'"]),
+        ({"imitation.episodes": -1}, ["[imitation]", "episodes", "-1"]),
+        ({"imitation.epoch": 2}, ["[imitation]", "'epoch'", "did you mean 'epochs'"]),
         ({"vec.n_envs": 0}, ["[vec]", "n_envs", "0"]),
         ({"vec.normalise_reward": 1}, ["normalise_reward", "true or false"]),
         ({"world.comfort": 3}, ["'comfort'", "did you mean 'comfort_m'"]),
@@ -186,5 +202,8 @@ def test_other_algorithms_have_their_own_keys():
         load("sac", {"policy.log_std_init": 0.0})
     with pytest.raises(ParamsError, match='ent_coef must be a number or "auto"'):
         load("sac", {"algorithm.ent_coef": "high"})
+    for name in ("sac", "recurrent-ppo"):
+        with pytest.raises(ParamsError, match=f"imitation.*'{name}'"):
+            load(name, {"imitation.episodes": 10})
     with pytest.raises(ParamsError, match="shared_lstm"):
         load("recurrent-ppo", {"policy.shared_lstm": True})

@@ -261,7 +261,7 @@ def test_episodes_are_recorded(small):
     from rss_gym.train.course import Course
 
     chosen = recipe.load("ppo", small)
-    course, plain = Course(chosen.params, 8, 5), make_vec_env(chosen.env, 8, seed=5, every_info=True)
+    course, plain = Course(chosen.params, 8, 5), make_vec_env(chosen.env, 8, 5, params=chosen.params, every_info=True)
     np.testing.assert_array_equal(course.reset(), plain.reset())
     generator = np.random.default_rng(0)
     kept = [[] for _ in range(8)]
