@@ -210,7 +210,7 @@ class Imitation(Group):
     """
 
     policy: str = "mpc"
-    episodes: int = number(0, 0, 10**6)
+    episodes: int = number(0, 0, 10**5)  # all in memory: 50 kB each
     disturbance_m: float = number(3.5, 0.0, 1000.0)
     epochs: int = number(12, 1, 1000)
     batch_size: int = number(4096, 1, 10**6)
