@@ -1,17 +1,20 @@
-"""Policies behind one protocol, SB3's `predict`, by name: `make("orthogonal:radius_m=60", params)`.
+"""Policies behind one protocol, SB3's `predict`.
 
-A new policy is one file and one line in `POLICIES`. A name is a rule and, if wanted, the track it flies on and options:
-`orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME. On track `range` a
-rule that reads positions flies on those of the range-only filter.
+Learned ones go by their folder, `make("runs/ppo/agent", params)`, scripted ones by name; a new one is one file and one
+line in `POLICIES`. A name is a rule and, if wanted, the track it flies on and options: `orca`,
+`orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME. On track `range` a rule that
+reads positions flies on those of the range-only filter.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import os
 import re
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from rss_gym.baselines.agent import DOCUMENT, Agent, load
 from rss_gym.baselines.blind import Blind, Climb, Constant
 from rss_gym.baselines.cbf import Cbf
 from rss_gym.baselines.modified_orthogonal import ModifiedOrthogonal
@@ -24,7 +27,9 @@ from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.params import Params, ParamsError, Track, suggestion
 
-__all__ = ["POLICIES", "Parsed", "Policy", "able", "describe", "is_known", "make", "parse"]
+__all__ = ["POLICIES", "Parsed", "Policy", "able", "describe", "is_code", "is_folder", "is_known", "make", "parse"]
+
+PICKLED = (".zip", ".pkl", ".pt", ".pth")  # files whose reading runs code from them
 
 POLICIES: dict[str, type[Scripted]] = {
     "none": Nothing,
@@ -77,6 +82,17 @@ def is_known(spec: str) -> bool:
     return re.split("[:@+]", spec, maxsplit=1)[0] in POLICIES
 
 
+def is_folder(spec: str) -> bool:
+    """Whether a specification is the folder of a learned policy; one that starts with a name of `POLICIES` never is."""
+    # os.path never raises for a name that is too long.
+    return not is_known(spec) and os.path.isfile(os.path.join(spec, DOCUMENT))
+
+
+def is_code(spec: str) -> bool:
+    """Whether a specification is `module:attribute`, which runs code of that module."""
+    return ":" in spec and not is_known(spec) and not is_folder(spec) and not spec.endswith(PICKLED)
+
+
 def parse(spec: str) -> Parsed:
     """Take apart `rule`, `rule@track`, `rule:option=value,option=value`, `cbf+NAME`, and what these combine to.
 
@@ -112,13 +128,13 @@ def parse(spec: str) -> Parsed:
     return Parsed(rule, track or None, options, base or None)
 
 
-def make(spec: str, params: Params | None = None) -> Scripted:
-    """The policy that a specification describes; see `parse`.
+def make(spec: str, params: Params | None = None) -> Scripted | Agent:
+    """The policy that a specification describes (see `parse`), or that lies in a folder.
 
     Parameters
     ----------
     spec : str
-        Names of `POLICIES` with tracks and options, all numbers in SI.
+        Names of `POLICIES` with tracks and options, all numbers in SI; or a folder with `policy.json`.
     params : Params, optional
         The world; the policy's own `world` is this with the interface that the policy declares. Without `@track` it
         flies on the world's track if it can.
@@ -126,9 +142,16 @@ def make(spec: str, params: Params | None = None) -> Scripted:
     Raises
     ------
     ParamsError
-        For what `parse` refuses, an option out of range, a track or a plane that the rule cannot fly in, or a
-        contradiction with the world.
+        For what `parse` or `rss_gym.baselines.agent.load` refuses, an option out of range, a track or a plane that the
+        rule cannot fly in, or a contradiction with the world.
     """
+    if is_folder(spec):
+        return load(spec, params)
+    if spec.endswith(PICKLED):
+        raise ParamsError(
+            f"policy {spec!r} is a file whose reading runs code from it: make a policy folder of it with "
+            "`rss-gym export` and name that"
+        )
     parsed = parse(spec)
     kind, world = POLICIES[parsed.rule], Params.of(params)
     base = make(parsed.base, world) if parsed.base else None

@@ -73,7 +73,10 @@ class Row:
     @property
     def shipped(self) -> bool:
         """Whether the specification alone says which policy it is."""
-        return baselines.is_known(self.spec)
+        inner = self.spec
+        while baselines.is_known(inner) and (base := baselines.parse(inner).base):
+            inner = base
+        return baselines.is_known(inner)
 
     def candidate(self) -> ranking.Candidate:
         """What the ranking needs."""

@@ -6,9 +6,11 @@ import hashlib
 import importlib
 import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from rss_gym import baselines
+from rss_gym.baselines.agent import Agent
 from rss_gym.baselines.policy import Scripted
 from rss_gym.params import Params, ParamsError
 
@@ -24,9 +26,17 @@ class Entry:
 
     @property
     def hash(self) -> str:
-        """SHA-256 of the specification and of the interface it flies with."""
-        text = json.dumps([self.spec, self.world.interface.to_dict()], sort_keys=True)
+        """SHA-256 of the specification, for a learned policy of its files, and of the interface it flies with."""
+        text = json.dumps([identity(self.spec, self.policy), self.world.interface.to_dict()], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def identity(spec: str, policy: Any) -> str:
+    """The specification with a learned policy's digest in place of its folder, alone or inside `cbf+`."""
+    if isinstance(policy, Agent):
+        return policy.digest
+    inside = baselines.parse(spec).base if baselines.is_known(spec) else None
+    return spec if inside is None else spec.removesuffix(inside) + identity(inside, policy.base)
 
 
 def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
@@ -35,23 +45,25 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     Parameters
     ----------
     policy : str or object
-        A name of `rss_gym.baselines.POLICIES` with options, `module:attribute` (an object with `predict`, or a
-        function that takes the `Params` and returns one), or an object with `predict`.
+        A name of `rss_gym.baselines.POLICIES` with options, the folder of a learned policy, `module:attribute` (an
+        object with `predict`, or a function that takes the `Params` and returns one), or an object with `predict`.
     world : Params
         The suite's world.
 
     Raises
     ------
     ParamsError
-        For an unknown name, a module or attribute that cannot be imported, or an object without `predict`.
+        For an unknown name, a module or attribute that cannot be imported, a folder without an intact policy, an object
+        without `predict`, or a policy for another track.
     """
     spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
     if isinstance(policy, str):
-        known = baselines.is_known(policy) or ":" not in policy
-        policy = baselines.make(policy, world) if known else _imported(policy, world)
+        if name is None and baselines.is_folder(policy):
+            name = _folder_name(policy)
+        policy = _imported(policy, world) if baselines.is_code(policy) else baselines.make(policy, world)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
-    if isinstance(policy, Scripted):
+    if isinstance(policy, (Scripted, Agent)):
         flown = policy.world
         if flown.interface.track not in (world.interface.track, "oracle"):
             raise ParamsError(
@@ -60,6 +72,12 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
             )
         world = flown
     return Entry(name or spec, spec, policy, world)
+
+
+def _folder_name(spec: str) -> str:
+    """The last part of the path that says more than where a run keeps its agent."""
+    path = Path(spec).resolve()
+    return path.parent.name if path.name == "agent" and path.parent.name else path.name
 
 
 def _imported(spec: str, world: Params) -> Any:

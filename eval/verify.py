@@ -15,6 +15,7 @@ import numpy as np
 from tqdm import tqdm
 
 from rss_gym import baselines
+from rss_gym.baselines.agent import Agent
 from rss_gym.eval.episodes import Block, PolicyError, described
 from rss_gym.eval.evaluate import BLOCK, score
 from rss_gym.eval.metrics import METRICS
@@ -214,16 +215,19 @@ def entries_of(
         except ParamsError as error:
             missing[policy.name] = str(error)
             continue
-        entries.append(built)
         if built.hash != policy.hash:
             found.append(Difference(policy.name, "hash", policy.hash, built.hash))
+            if isinstance(built.policy, Agent):
+                missing[policy.name] = f"the folder {policy.spec!r} holds another policy than the one that was recorded"
+                continue
+        entries.append(built)
         if built.world.interface.track != policy.track:
             found.append(Difference(policy.name, "track", policy.track, built.world.interface.track))
     return entries, missing, found
 
 
 def _built(policy: Policy, suite: Suite, trust: bool) -> Entry:
-    if ":" in policy.spec and not baselines.is_known(policy.spec) and not trust:
+    if baselines.is_code(policy.spec) and not trust:
         raise ParamsError(f"{policy.spec!r} is code, which runs only when trusted (--trust)")
     try:
         return entry(policy.spec, suite.params, policy.name)

@@ -70,7 +70,7 @@ def fly_blocks(
     spawn = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(processes, spawn, initializer=_begin, initargs=(lifeline, recipes, params))
     try:
-        with _interrupts_held():
+        with interrupts_held():
             results = pool.map(_fly, blocks)
         yield from results
     except BrokenProcessPool as error:
@@ -100,7 +100,7 @@ def _recipe(item: Entry, named: bool) -> Recipe:
 
 
 @contextlib.contextmanager
-def _interrupts_held() -> Iterator[None]:
+def interrupts_held() -> Iterator[None]:
     """Hold Ctrl-C back; processes started meanwhile never see it, so that only this one decides what it ends."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
@@ -121,10 +121,11 @@ _recipes: list[Recipe]
 def _begin(lifeline: Connection, recipes: list[Recipe], params: Params) -> None:
     global _world, _recipes
     _world, _recipes = params, recipes
-    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    threading.Thread(target=end_with, args=(lifeline,), daemon=True).start()
 
 
-def _end_with(lifeline: Connection) -> None:
+def end_with(lifeline: Connection) -> None:
+    """End this process, at once, when the other end of the pipe is closed."""
     with contextlib.suppress(OSError):  # how Windows says that the other end is closed
         lifeline.poll(None)  # nothing is ever sent
     os._exit(1)

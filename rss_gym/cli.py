@@ -23,7 +23,8 @@ DEMO_POLICIES = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit status, 2 for bad input."""
-    options = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    options = _parser().parse_args(given, argparse.Namespace(given=given))
     from rss_gym.params import ParamsError
 
     try:
@@ -50,7 +51,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    command = commands.add_parser("list", help="ids, policies, channel presets, families and suites")
+    command = commands.add_parser("list", help="ids, policies, channel presets, families, recipes and suites")
     command.add_argument("--json", action="store_true", help="as JSON")
     command.set_defaults(run=_list)
 
@@ -90,6 +91,30 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
     command.set_defaults(run=_leaderboard)
 
+    command = commands.add_parser("train", help="train agents by a recipe, or go on with a run")
+    command.add_argument("recipe", nargs="?", metavar="RECIPE", help="name of a shipped recipe, or a TOML file")
+    command.add_argument("--env", help="another id than the recipe's")
+    command.add_argument("--steps", type=int, help="decisions of one seed, over all rows")
+    command.add_argument("--seeds", type=int, help="trainings that differ in their seed only; default: 1")
+    command.add_argument("--workers", type=int, default=1, help="processes, each with one seed at a time")
+    command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
+    command.add_argument("--track", help="oracle, paper or range")
+    command.add_argument("--resume", metavar="RUN", help="go on with the run in this folder from its checkpoints")
+    command.add_argument(
+        "--set", nargs="+", metavar="KEY=VALUE", help="such as algorithm.learning_rate=3e-4 world.comfort_m=30"
+    )
+    command.add_argument("--out", metavar="RUN", help="new folder for the run")
+    command.set_defaults(run=_train)
+
+    command = commands.add_parser("export", help="make a policy folder, which cannot run code")
+    command.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of SB3")
+    command.add_argument("--out", required=True, metavar="DIR", help="new folder for the policy")
+    command.add_argument("--env", help="the id the .zip was trained in; default: rss_gym/Encounter-v0")
+    command.add_argument("--algorithm", help="ppo, recurrent-ppo or sac; default: what the .zip looks like")
+    command.add_argument(
+        "--set", nargs="+", metavar="KEY=VALUE", help="parameters of the world of the .zip, such as intruders=2"
+    )
+    command.set_defaults(run=_export)
     command = commands.add_parser("calibrate", help="a channel from radio logs, with range errors on a test")
     command.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
     command.add_argument(
@@ -198,6 +223,49 @@ def _leaderboard(options: argparse.Namespace) -> None:
     for note in site.notes:
         print(note)
     print(f"leaderboard: {site.page}")
+
+
+def _train(options: argparse.Namespace) -> int:
+    from rss_gym.params import ParamsError
+    from rss_gym.train import recipe, run
+
+    changes = recipe.parse_changes(options.set or [])
+    short = {"recipe.env": options.env, "recipe.steps": options.steps}
+    short |= {"world.channel": options.channel, "world.track": options.track}
+    changes |= {key: value for key, value in short.items() if value is not None}
+    try:
+        if options.resume is None:
+            if options.recipe is None or options.out is None:
+                shipped = ", ".join(recipe.recipes())
+                raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
+            seeds = 1 if options.seeds is None else options.seeds
+            run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+        else:
+            if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
+                raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")
+            run.resume(options.resume, options.workers)
+    except KeyboardInterrupt:
+        folder = options.resume or options.out
+        print(f"rss-gym: interrupted; go on with rss-gym train --resume {folder}", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _export(options: argparse.Namespace) -> None:
+    from rss_gym.params import ParamsError
+    from rss_gym.train import convert, recipe
+
+    if os.path.isdir(options.source):
+        if any(value is not None for value in (options.env, options.algorithm, options.set)):
+            raise ParamsError("--env, --algorithm and --set are for a .zip; a run knows its own world")
+        difference = convert.export_run(options.source, options.out)
+    else:
+        print(f"Reading {options.source} runs code from it.", file=sys.stderr, flush=True)
+        world = recipe.parse_changes(options.set or [])
+        env = options.env or "rss_gym/Encounter-v0"
+        difference = convert.export_model(options.source, options.out, env, options.algorithm, world)
+    print(f"greatest difference from SB3's actions on 1,000 observations: {difference:.2g}")
+    print(f"policy: {options.out}")
 
 
 def _calibrate(options: argparse.Namespace) -> None:

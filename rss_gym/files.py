@@ -61,6 +61,41 @@ def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
         raise ParamsError(f"output folder {str(out)!r} cannot be written: {error}") from error
 
 
+@contextmanager
+def replaced_folder(target: Path) -> Iterator[Path]:
+    """A temporary folder that takes the place of `target` when the block ends without an error.
+
+    A process that is killed leaves the old folder or the new one, and perhaps temporary ones: `tidy` removes these, and
+    puts the old folder back if the end came between the two renames.
+    """
+    old = _aside(target)
+    with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as temporary:
+        new = Path(temporary) / target.name
+        new.mkdir()
+        yield new
+        if target.exists():
+            target.rename(old)
+        new.rename(target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def tidy(parent: Path, *names: str) -> None:
+    """Clear what a killed process left of the files and replaced folders `names` in `parent`."""
+    for name in names:
+        old = _aside(parent / name)
+        if old.exists() and not (parent / name).exists():
+            old.rename(parent / name)
+        for left in (old, *parent.glob(f".{name}-*")):
+            if left.is_dir():
+                shutil.rmtree(left)
+            else:
+                left.unlink(missing_ok=True)
+
+
+def _aside(target: Path) -> Path:
+    return target.with_name(f".{target.name}.old")
+
+
 def check_new(out: str | os.PathLike[str]) -> Path:
     """The absolute path of a folder that can be made; called before a long run, not after it. Nothing is made.
 

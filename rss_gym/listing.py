@@ -7,6 +7,7 @@ from rss_gym.encounters import FAMILIES, MIXED
 from rss_gym.eval.suites import SUITES
 from rss_gym.ids import IDS
 from rss_gym.params import presets
+from rss_gym.train.recipe import load, recipes
 
 
 def listing() -> dict[str, dict[str, str]]:
@@ -22,6 +23,7 @@ def listing() -> dict[str, dict[str, str]]:
         "channels": {name: _first_line(path) for name, path in presets().items()},
         "families": {MIXED: "all of these, by their weights"}
         | {name: f"{family.summary} [weight {family.weight:g}]" for name, family in FAMILIES.items()},
+        "recipes": {name: f"{load(name).summary} [{load(name).steps} decisions]" for name in recipes()},
         "suites": {name: f"{suite.summary} [{suite.episodes} encounters]" for name, suite in SUITES.items()},
     }
 

@@ -25,13 +25,14 @@ def run(capsys, *arguments):
 def test_list_names_everything(capsys):
     status, out, _ = run(capsys, "list")
     assert status == 0
-    for name in ("rss_gym/Encounter-v0", "orthogonal", "quadcopter", "mixed", "encounter-v0"):
+    for name in ("rss_gym/Encounter-v0", "orthogonal", "quadcopter", "mixed", "ppo-short", "encounter-v0"):
         assert name in out
 
 
 def test_list_json(capsys):
     status, out, _ = run(capsys, "list", "--json")
-    assert status == 0 and set(json.loads(out)) == {"ids", "policies", "channels", "families", "suites"}
+    titles = {"ids", "policies", "channels", "families", "recipes", "suites"}
+    assert status == 0 and set(json.loads(out)) == titles
 
 
 def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):

@@ -1,0 +1,220 @@
+"""From a model of Stable-Baselines3 to a policy folder that cannot run code, checked against SB3's own `predict`.
+
+Reading SB3's `.zip` unpickles Python objects, which runs code from the file: only here, and only when asked to.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Agent, Network, load
+from rss_gym.baselines.features import append
+from rss_gym.core import Batch, decode
+from rss_gym.files import new_folder
+from rss_gym.params import Params, ParamsError
+
+TOLERANCE = 1e-5  # of an action in [-1, 1]
+OBSERVATIONS = 1000
+
+
+@dataclass(frozen=True)
+class Normalisation:
+    """Statistics of SB3's `VecNormalize`: mean and variance a field, the clip, and what is added to the variance."""
+
+    mean: np.ndarray
+    variance: np.ndarray
+    clip: float
+    epsilon: float = 1e-8
+
+    @classmethod
+    def of(cls, wrapper: Any) -> Normalisation | None:
+        """Of a `VecNormalize`; None where it leaves observations as they are."""
+        if not wrapper.norm_obs:
+            return None
+        statistics = wrapper.obs_rms
+        return cls(statistics.mean.copy(), statistics.var.copy(), float(wrapper.clip_obs), float(wrapper.epsilon))
+
+    def __call__(self, rows: np.ndarray) -> np.ndarray:
+        """Rows as the network sees them, float32."""
+        scaled = (rows - self.mean) / np.sqrt(self.variance + self.epsilon)
+        return np.clip(scaled, -self.clip, self.clip).astype(np.float32)
+
+
+def export(
+    model: Any,
+    world: Params,
+    out: str | os.PathLike[str],
+    normalisation: Normalisation | None = None,
+    stack: int = 1,
+    features: str = "none",
+    training: dict[str, Any] | None = None,
+) -> float:
+    """Write `policy.json` and `policy.safetensors` into the new folder `out`.
+
+    Parameters
+    ----------
+    model : BaseAlgorithm
+        PPO, SAC or RecurrentPPO with a multilayer perceptron (after the recurrent layer).
+    world : Params
+        The world it was trained in; its interface goes into the file.
+    out : path
+        New folder.
+    normalisation : Normalisation, optional
+        What `VecNormalize` did to the (stacked) observations.
+    stack : int
+        Observations stacked by `VecFrameStack`.
+    features : str
+        What stands behind them, one of `rss_gym.baselines.features.FEATURES`.
+    training : dict, optional
+        Record of the training, in JSON types.
+
+    Returns
+    -------
+    float
+        Greatest difference between the folder's actions and SB3's on observations of 1,000 decisions; the training
+        record holds it too, as `difference`.
+
+    Raises
+    ------
+    ParamsError
+        For a model of another kind or for another world, or a difference above 1e-5; nothing is then written.
+    """
+    from safetensors.numpy import save
+
+    document, tensors = _described(model, world, normalisation, stack, features)
+    with new_folder(out) as folder:
+        _write_document(folder, document)
+        (folder / WEIGHTS).write_bytes(save(tensors))
+        difference = compare(model, folder, world, normalisation)
+        if not difference <= TOLERANCE:
+            raise ParamsError(
+                f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
+                f"{TOLERANCE:g} is allowed, so nothing was written"
+            )
+        _write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
+    return difference
+
+
+def agent(
+    model: Any, world: Params, normalisation: Normalisation | None = None, stack: int = 1, features: str = "none"
+) -> Agent:
+    """The policy that `export` would write, in memory; for the parameters and errors see there."""
+    document, tensors = _described(model, world, normalisation, stack, features)
+    network = Network(**document["network"])
+    return Agent(network, {name: tensor.astype(np.float64) for name, tensor in tensors.items()}, world, document, "")
+
+
+def _described(
+    model: Any, world: Params, normalisation: Normalisation | None, stack: int, features: str
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """`policy.json` without the training record, and the tensors of `policy.safetensors`."""
+    network, tensors = _taken(model, normalisation, stack, features)
+    shapes = network.shapes(world)
+    for name, shape in shapes.items():
+        if tensors[name].shape != shape:
+            raise ParamsError(
+                f"the model does not fit the world: {name} is {tensors[name].shape}, and stack {stack} with features "
+                f"{features!r} needs {shape}; name the environment it was trained in"
+            )
+    document = {
+        "format": FORMAT,
+        "network": dataclasses.asdict(network),
+        "interface": world.interface.to_dict(),
+        "observation": network.inputs(world),
+        "training": {},
+    }
+    return document, {name: tensors[name] for name in shapes}
+
+
+def _write_document(folder: Path, document: dict[str, Any]) -> None:
+    (folder / DOCUMENT).write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def compare(model: Any, folder: Path, world: Params, normalisation: Normalisation | None = None) -> float:
+    """Greatest difference of the actions over 1,000 decisions of ten flights, flown by the folder's policy."""
+    agent = load(folder, world)
+    rows = 10
+    batch, everything = Batch(agent.world, rows), np.ones(rows, bool)
+    batch.seed(np.arange(rows, dtype=np.uint64))
+    batch.reset(everything)
+    memory, state, first, worst = None, None, everything, 0.0
+    stacked = np.zeros((rows, agent.network.stack * batch.observations.shape[1]))
+    for _ in range(OBSERVATIONS // rows):
+        stacked[first] = 0.0
+        stacked = np.concatenate([stacked, batch.observations], axis=1)[:, batch.observations.shape[1] :]
+        seen = append(agent.network.features, stacked, agent.world)
+        seen = seen.astype(np.float32) if normalisation is None else normalisation(seen)
+        expected, state = model.predict(seen, state=state, episode_start=first, deterministic=True)
+        actions, memory = agent.predict(batch.observations, memory, first)
+        worst = max(worst, float(np.abs(actions - expected).max()))
+        batch.step(decode(actions, agent.world, rows), np.zeros(rows, bool))
+        first = batch.episode["terminated"] | batch.episode["truncated"]
+        if first.any():
+            batch.reset(first)
+    return worst
+
+
+def _taken(
+    model: Any, normalisation: Normalisation | None, stack: int, features: str
+) -> tuple[Network, dict[str, np.ndarray]]:
+    """Architecture and tensors of the part of the model that acts."""
+    policy, kind = model.policy, type(model).__name__
+    lstm = getattr(policy, "lstm_actor", None)
+    if hasattr(policy, "action_net") and hasattr(policy, "mlp_extractor"):
+        hidden, last, squash = policy.mlp_extractor.policy_net, policy.action_net, False
+    elif hasattr(getattr(policy, "actor", None), "latent_pi"):
+        hidden, last, squash = policy.actor.latent_pi, policy.actor.mu, True
+    else:
+        raise ParamsError(f"a model of kind {kind!r} cannot be exported; PPO, SAC and RecurrentPPO can")
+    if len(model.action_space.shape) != 1:
+        raise ParamsError(f"an action space {model.action_space} cannot be exported; continuous actions can")
+    linear, activation = _split(hidden, kind)
+    tensors: dict[str, np.ndarray] = {}
+    for index, layer in enumerate([*linear, last]):
+        tensors |= {f"{index}.weight": _array(layer.weight).T, f"{index}.bias": _array(layer.bias)}
+    units = 0
+    if lstm is not None:
+        if lstm.num_layers != 1:
+            raise ParamsError(f"an LSTM of {lstm.num_layers} layers cannot be exported; one of a single layer can")
+        units = lstm.hidden_size
+        tensors |= {
+            "lstm.input": _array(lstm.weight_ih_l0).T,
+            "lstm.hidden": _array(lstm.weight_hh_l0).T,
+            "lstm.bias": _array(lstm.bias_ih_l0) + _array(lstm.bias_hh_l0),
+        }
+    if normalisation is not None:
+        std = np.sqrt(normalisation.variance + normalisation.epsilon)
+        tensors |= {"mean": normalisation.mean.astype(np.float32), "std": std.astype(np.float32)}
+    network = Network(
+        layers=tuple(layer.out_features for layer in linear),
+        activation=activation,
+        stack=stack,
+        features=features,
+        lstm=units,
+        squash=squash,
+        clip=0.0 if normalisation is None else normalisation.clip,
+    )
+    return network, {name: np.ascontiguousarray(tensor, dtype=np.float32) for name, tensor in tensors.items()}
+
+
+def _split(hidden: Any, kind: str) -> tuple[list[Any], str]:
+    """The dense layers of a `Sequential`, and the activation between them."""
+    import torch
+
+    names = {torch.nn.Tanh: "tanh", torch.nn.ReLU: "relu"}
+    linear = [layer for layer in hidden if isinstance(layer, torch.nn.Linear)]
+    others = {type(layer) for layer in hidden if not isinstance(layer, torch.nn.Linear)}
+    if not others <= set(names) or len(others) > 1 or len(linear) * 2 != len(hidden):
+        raise ParamsError(f"the network of this {kind} cannot be exported: dense layers with Tanh or ReLU can")
+    return linear, names[others.pop()] if others else "identity"
+
+
+def _array(tensor: Any) -> np.ndarray:
+    return tensor.detach().cpu().numpy()

@@ -1,0 +1,257 @@
+"""Every hyperparameter of the learners, checked as the parameters of the world are.
+
+Defaults are those of Stable-Baselines3. Left out are the arguments that are code (noise and buffer classes), and
+state-dependent exploration, with which SAC's policy cannot be exported.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from rss_gym.baselines.agent import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
+from rss_gym.baselines.features import FEATURES
+from rss_gym.params import Group, ParamsError, choice, number, suggestion
+
+Activation = Literal["tanh", "relu"]
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """A value that changes linearly over the training, from `start` to `end` times `start`."""
+
+    start: float
+    end: float = 1.0
+
+
+def within(low: float, high: float) -> Any:
+    """Metadata of a field that is a number in [low, high], or a table with such a `start`, and `end`."""
+    return {"start": (low, high)}
+
+
+def automatic() -> Any:
+    """A field that is a number or "auto"."""
+    return field(default="auto", metadata={"automatic": True})
+
+
+def units(*default: int) -> Any:
+    """A field that lists the units of hidden layers."""
+    return field(default=default, metadata={"units": UNITS_LIMIT})
+
+
+def features() -> Any:
+    """A field that names what is computed from the observation and stands behind it."""
+    return field(default="none", metadata={"known": FEATURES})
+
+
+class Hyperparameters(Group):
+    """A `Group` with schedules, numbers that may be automatic, and lists of layers."""
+
+    __slots__ = ()
+
+    def _check(self, item: dataclasses.Field[Any]) -> None:
+        value = getattr(self, item.name)
+        if "start" in item.metadata:
+            object.__setattr__(self, item.name, _schedule(item.name, value, *item.metadata["start"]))
+        elif "automatic" in item.metadata:
+            if value != "auto" and not _is_number(value):
+                raise ParamsError(f'{item.name} must be a number or "auto", got {value!r}')
+        elif "units" in item.metadata:
+            most = item.metadata["units"]
+            whole = isinstance(value, (list, tuple)) and all(type(u) is int and 1 <= u <= most for u in value)
+            if not whole or len(value) > LAYERS_LIMIT:
+                raise ParamsError(
+                    f"{item.name} must list the units, 1 to {most}, of at most {LAYERS_LIMIT} layers, got {value!r}"
+                )
+            object.__setattr__(self, item.name, tuple(value))
+        else:
+            Group._check(self, item)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e12
+
+
+def _schedule(name: str, value: Any, low: float, high: float) -> Schedule:
+    if isinstance(value, Schedule):
+        value = dataclasses.asdict(value)
+    table = value if isinstance(value, Mapping) else {"start": value}
+    for key in table:
+        if key not in ("start", "end"):
+            raise ParamsError(f"{name} has no field {key!r}{suggestion(str(key), ['start', 'end'])}")
+    start: Any = table.get("start")
+    end: Any = table.get("end", 1.0)
+    if not _is_number(start) or not low <= start <= high:
+        raise ParamsError(f"{name} must be a number in [{low:g}, {high:g}] or {{start, end}}, got {value!r}")
+    if not _is_number(end) or not 0.0 <= end <= 1.0:
+        raise ParamsError(f"{name}: end must be a fraction of start in [0, 1], got {end!r}")
+    return Schedule(float(start), float(end))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ppo(Hyperparameters):
+    """Of PPO. Zero in `clip_range_vf` or `target_kl` means none."""
+
+    learning_rate: Schedule = field(default=Schedule(3e-4), metadata=within(1e-8, 1.0))
+    n_steps: int = number(2048, 1, 10**6)  # decisions a row and update
+    batch_size: int = number(64, 2, 10**7)
+    n_epochs: int = number(10, 1, 1000)
+    gamma: float = number(0.99, 0.0, 1.0)
+    gae_lambda: float = number(0.95, 0.0, 1.0)
+    clip_range: Schedule = field(default=Schedule(0.2), metadata=within(1e-6, 10.0))
+    clip_range_vf: Schedule = field(default=Schedule(0.0), metadata=within(0.0, 1e6))
+    normalize_advantage: bool = True
+    ent_coef: float = number(0.0, 0.0, 10.0)
+    vf_coef: float = number(0.5, 0.0, 100.0)
+    max_grad_norm: float = number(0.5, 1e-6, 1e6)
+    target_kl: float = number(0.0, 0.0, 100.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecurrentPpo(Ppo):
+    """Of RecurrentPPO."""
+
+    n_steps: int = number(128, 1, 10**6)
+    batch_size: int = number(128, 2, 10**7)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sac(Hyperparameters):
+    """Of SAC. One of `train_freq` is a decision of every row; `gradient_steps` -1 is one a decision of a row."""
+
+    learning_rate: Schedule = field(default=Schedule(3e-4), metadata=within(1e-8, 1.0))
+    buffer_size: int = number(1_000_000, 1, 10**9)
+    learning_starts: int = number(100, 0, 10**9)
+    batch_size: int = number(256, 1, 10**6)
+    tau: float = number(0.005, 1e-6, 1.0)
+    gamma: float = number(0.99, 0.0, 1.0)
+    train_freq: int = number(1, 1, 10**6)
+    gradient_steps: int = number(1, -1, 10**6)
+    n_steps: int = number(1, 1, 1000)
+    ent_coef: float | str = automatic()
+    target_update_interval: int = number(1, 1, 10**6)
+    target_entropy: float | str = automatic()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PpoNetwork(Hyperparameters):
+    """Actor and critic of PPO, each with these layers."""
+
+    net_arch: tuple[int, ...] = units(64, 64)
+    activation: str = choice("tanh", Activation)
+    features: str = features()
+    log_std_init: float = number(0.0, -10.0, 2.0)
+    ortho_init: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecurrentNetwork(PpoNetwork):
+    """The same behind an LSTM, one for the actor and by default another one for the critic."""
+
+    lstm_hidden_size: int = number(256, 1, UNITS_LIMIT)
+    enable_critic_lstm: bool = True
+    shared_lstm: bool = False
+
+    def __post_init__(self) -> None:
+        """Check that the critic has at most one LSTM."""
+        Hyperparameters.__post_init__(self)
+        if self.shared_lstm and self.enable_critic_lstm:
+            raise ParamsError("shared_lstm = true needs enable_critic_lstm = false")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SacNetwork(Hyperparameters):
+    """Actor and critics of SAC."""
+
+    net_arch: tuple[int, ...] = units(256, 256)
+    activation: str = choice("relu", Activation)
+    features: str = features()
+    n_critics: int = number(2, 1, 10)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Vec(Group):
+    """The rows and what stands between them and the learner.
+
+    Without `normalise_reward` the loss of the value, for rewards down to -100, takes all that the gradient's clip lets
+    through.
+    """
+
+    n_envs: int = number(256, 1, 1 << 16)
+    stack: int = number(1, 1, STACK_LIMIT)
+    normalise_reward: bool = True
+    normalise_observation: bool = False
+    clip_reward: float = number(10.0, 1e-3, 1e9)
+    clip_observation: float = number(10.0, 1e-3, 1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Imitation(Group):
+    """What the actor of PPO learns from a scripted rule before its own training; nothing where `episodes` is zero.
+
+    The rows are flown by the rule, disturbed so that states off its path are seen too, and the actor's mean is fitted
+    to the rule's actions by least squares.
+
+    Parameters
+    ----------
+    policy : str
+        As on the command line, `mpc` or `mpc:radius_m=35`; it commands displacements up to the world's reach.
+    episodes : int
+        Encounters to fly.
+    disturbance_m : float
+        Standard deviation of the disturbance on each axis, which is correlated from decision to decision.
+    epochs, batch_size : int
+    learning_rate : float
+        The greatest of the one cycle that it goes through.
+    critic_steps : int
+        So many first decisions of the training teach the critic alone: one that knows nothing spoils the actor.
+    """
+
+    policy: str = "mpc"
+    episodes: int = number(0, 0, 10**5)  # all in memory: 50 kB each
+    disturbance_m: float = number(3.5, 0.0, 1000.0)
+    epochs: int = number(12, 1, 1000)
+    batch_size: int = number(4096, 1, 10**6)
+    learning_rate: float = number(4e-3, 1e-8, 1.0)
+    critic_steps: int = number(0, 0, 10**12)
+
+    def __post_init__(self) -> None:
+        """Check that the rule's name is a text; the recipe checks the rest of it."""
+        Group.__post_init__(self)
+        if not isinstance(self.policy, str):
+            raise ParamsError(f"policy must name a scripted rule, got {self.policy!r}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Validation(Group):
+    """How often the policy is flown on split `validation`, and over how many encounters, the same each time."""
+
+    every_steps: int = number(1_000_000, 1, 10**12)
+    episodes: int = number(2000, 1, 10**7)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Checkpoint(Group):
+    """How often the training is saved: what an end by force costs at most."""
+
+    every_steps: int = number(500_000, 1, 10**12)
+
+
+@dataclass(frozen=True, slots=True)
+class Algorithm:
+    """A learner: where its class is, its policy's name there, and the tables of a recipe for it."""
+
+    module: str
+    name: str
+    policy_name: str
+    hyperparameters: type[Ppo | Sac]
+    network: type[PpoNetwork | SacNetwork]
+
+
+ALGORITHMS: dict[str, Algorithm] = {
+    "ppo": Algorithm("stable_baselines3", "PPO", "MlpPolicy", Ppo, PpoNetwork),
+    "recurrent-ppo": Algorithm("sb3_contrib", "RecurrentPPO", "MlpLstmPolicy", RecurrentPpo, RecurrentNetwork),
+    "sac": Algorithm("stable_baselines3", "SAC", "MlpPolicy", Sac, SacNetwork),
+}

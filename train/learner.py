@@ -1,0 +1,210 @@
+"""The learner of a recipe: the rows, SB3's wrappers round them, its model, and what of them a checkpoint holds."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import io
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.save_util import load_from_zip_file
+from stable_baselines3.common.utils import LinearSchedule, set_random_seed
+from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
+
+from rss_gym.baselines.agent import Agent
+from rss_gym.params import ParamsError
+from rss_gym.train import export
+from rss_gym.train.course import Course
+from rss_gym.train.features import Features
+from rss_gym.train.hyperparameters import ALGORITHMS, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.recipe import Recipe
+
+MODEL, STATE = "model.zip", "state.json"
+RECENT = 1000  # episodes that the progress is averaged over
+# Of a running episode or of this process; each is made anew when a training goes on.
+PASSING = (
+    "ep_info_buffer",
+    "ep_success_buffer",
+    "_last_obs",
+    "_last_original_obs",
+    "_last_episode_starts",
+    "_last_lstm_states",
+)
+
+
+@dataclass
+class Learner:
+    """A model and its environment.
+
+    Attributes
+    ----------
+    recipe : Recipe
+    seed : int
+        Of the model and of the first row.
+    course : Course
+        The rows.
+    venv : VecEnv
+        What the model sees of them.
+    model : BaseAlgorithm
+    """
+
+    recipe: Recipe
+    seed: int
+    course: Course
+    venv: VecEnv
+    model: BaseAlgorithm
+
+    @classmethod
+    def new(cls, recipe: Recipe, seed: int) -> Learner:
+        """Before its first step."""
+        vec, kind = recipe.vec, ALGORITHMS[recipe.algorithm]
+        course = Course(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
+        venv: VecEnv = VecFrameStack(course, vec.stack) if vec.stack > 1 else course
+        if recipe.policy.features != "none":
+            venv = Features(venv, recipe.policy.features, recipe.params)
+        if vec.normalise_reward or vec.normalise_observation:
+            venv = VecNormalize(
+                venv,
+                norm_obs=vec.normalise_observation,
+                norm_reward=vec.normalise_reward,
+                clip_obs=vec.clip_observation,
+                clip_reward=vec.clip_reward,
+                gamma=recipe.hyperparameters.gamma,
+            )
+        model = getattr(importlib.import_module(kind.module), kind.name)(
+            kind.policy_name,
+            venv,
+            policy_kwargs=_network(recipe.policy),
+            seed=seed,
+            device="cpu",
+            stats_window_size=RECENT,
+            **_arguments(recipe.hyperparameters),
+        )
+        return cls(recipe, seed, course, venv, model)
+
+    @classmethod
+    def saved(cls, recipe: Recipe, seed: int, folder: Path) -> Learner:
+        """As `save` left it, with new episodes in all rows and an empty replay buffer. Runs no code of the file."""
+        learner = cls.new(recipe, seed)
+        try:
+            state = json.loads((folder / STATE).read_text(encoding="utf-8"))
+            _, weights, variables = load_from_zip_file(folder / MODEL, device="cpu", load_data=False)
+            model: Any = learner.model
+            model.set_parameters(weights, device="cpu")
+            for name, tensor in (variables or {}).items():
+                getattr(model, name).data = tensor.data
+            model.num_timesteps, model._n_updates = state["steps"], state["updates"]
+            if recipe.stage(model.num_timesteps) != recipe.stage(0):
+                learner.course.move(recipe.params_of(recipe.stage(model.num_timesteps)))
+            learner.course.begin(np.array(state["episodes"], np.uint64))
+            for name, table in state["statistics"].items():
+                statistics = getattr(learner.venv, name)
+                statistics.mean, statistics.var = np.array(table["mean"]), np.array(table["variance"])
+                statistics.count = table["count"]
+        except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
+            raise ParamsError(f"checkpoint {str(folder)!r} cannot be read: {' '.join(str(error).split())}") from error
+        if isinstance(recipe.hyperparameters, Sac):
+            model.gradient_steps = 0  # until `look_at_buffer` finds enough in it
+        # Other draws than those before the end by force, which the same seed would repeat.
+        set_random_seed((seed + model.num_timesteps) % 2**32)
+        return learner
+
+    def save(self, folder: Path) -> None:
+        """Write the checkpoint into `folder`: SB3's file, and the rest as numbers."""
+        self.save_model(folder / MODEL)
+        statistics = {
+            name: {"mean": values.mean.tolist(), "variance": values.var.tolist(), "count": float(values.count)}
+            for name, values in self._statistics().items()
+        }
+        state = {
+            "steps": self.model.num_timesteps,
+            "updates": self.model._n_updates,
+            "episodes": self.course.numbers.tolist(),
+            "statistics": statistics,
+        }
+        (folder / STATE).write_text(json.dumps(state, allow_nan=False) + "\n", encoding="utf-8")
+
+    def save_model(self, path: Path) -> None:
+        """Write SB3's file, for `rss-gym export` and for SB3's own `load`."""
+        content = io.BytesIO()
+        self.model.save(content, exclude=PASSING)
+        path.write_bytes(content.getvalue())
+
+    def _statistics(self) -> dict[str, Any]:
+        """What `VecNormalize` has learnt."""
+        if not isinstance(self.venv, VecNormalize):
+            return {}
+        return {"ret_rms": self.venv.ret_rms} | ({"obs_rms": self.venv.obs_rms} if self.venv.norm_obs else {})
+
+    @property
+    def normalisation(self) -> export.Normalisation | None:
+        """Of observations, as it is now."""
+        return export.Normalisation.of(self.venv) if isinstance(self.venv, VecNormalize) else None
+
+    @property
+    def _wrapped(self) -> tuple[export.Normalisation | None, int, str]:
+        """What stands between the rows and the model: normalisation as it is now, stack, features."""
+        return self.normalisation, self.recipe.vec.stack, self.recipe.policy.features
+
+    def agent(self) -> Agent:
+        """The policy as it is now."""
+        return export.agent(self.model, self.recipe.params, *self._wrapped)
+
+    def export(self, out: Path, training: dict[str, Any]) -> float:
+        """Write it as a policy folder; see `rss_gym.train.export.export`."""
+        return export.export(self.model, self.recipe.params, out, *self._wrapped, training)
+
+    def hold_actor(self) -> None:
+        """Let the actor that has imitated a rule stay as it is until the critic can judge it."""
+        table, policy = self.recipe.imitation, cast(Any, self.model.policy)
+        if table.episodes:
+            free = self.model.num_timesteps >= table.critic_steps
+            for part in (policy.mlp_extractor.policy_net, policy.action_net):
+                part.requires_grad_(free)
+            policy.log_std.requires_grad_(free)
+
+    def look_at_buffer(self) -> None:
+        """Let a model whose replay buffer was empty learn on once it holds `learning_starts` decisions of its own."""
+        table, model = self.recipe.hyperparameters, cast(Any, self.model)
+        if isinstance(table, Sac) and model.replay_buffer.size() * self.venv.num_envs >= table.learning_starts:
+            model.gradient_steps = table.gradient_steps
+
+    def move(self, stage: int) -> None:
+        """Go on in the world of a stage of the curriculum, with new episodes in all rows."""
+        self.course.move(self.recipe.params_of(stage))
+        self.restart()
+
+    def restart(self) -> None:
+        """Let a model that is learning go on with new episodes in all rows."""
+        model = cast(Any, self.model)
+        model._last_obs = self.venv.reset()
+        model._last_episode_starts = np.ones(self.venv.num_envs, bool)
+        if isinstance(self.venv, VecNormalize):
+            model._last_original_obs = self.venv.get_original_obs()
+
+
+def _arguments(table: Ppo | Sac) -> dict[str, Any]:
+    """As SB3 takes them."""
+    found: dict[str, Any] = {}
+    for item in dataclasses.fields(table):
+        value = getattr(table, item.name)
+        if isinstance(value, Schedule):
+            is_constant = value.end == 1.0
+            value = value.start if is_constant else LinearSchedule(value.start, value.start * value.end, 1.0)
+        found[item.name] = None if item.name in ("clip_range_vf", "target_kl") and value == 0.0 else value
+    return found
+
+
+def _network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
+    """As SB3's policies take them."""
+    from torch import nn
+
+    found = table.to_dict()
+    del found["features"]  # of the rows
+    found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]
+    return found

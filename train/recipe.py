@@ -1,0 +1,316 @@
+"""Recipes: everything that decides a training, in one TOML file.
+
+`recipes/` holds the shipped ones; a new recipe is one file there.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, TypeVar
+
+from rss_gym import baselines
+from rss_gym.baselines.policy import Scripted
+from rss_gym.core import spaces
+from rss_gym.encounters import chosen
+from rss_gym.ids import IDS
+from rss_gym.params import Group, Params, ParamsError, load_channel, suggestion
+from rss_gym.train.hyperparameters import (
+    ALGORITHMS,
+    Checkpoint,
+    Imitation,
+    Ppo,
+    PpoNetwork,
+    Sac,
+    SacNetwork,
+    Validation,
+    Vec,
+)
+
+FOLDER = Path(__file__).parent / "recipes"
+STEPS_MAX = 10**12
+SIZE_MAX = 65536  # bytes
+SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
+HEAD = ("summary", "algorithm", "env", "steps")
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """From the fraction `start` of the steps on, the world has these parameters."""
+
+    start: float
+    world: dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """A training.
+
+    Parameters
+    ----------
+    name, summary : str
+    algorithm : str
+        One of `ALGORITHMS`.
+    env : str
+        A registered id.
+    steps : int
+        Decisions of one seed, over all rows.
+    world : dict
+        Parameters that differ from those of the id; several channels are drawn from once per episode.
+    vec, hyperparameters, policy, imitation, validation, checkpoint : Group
+        The tables.
+    curriculum : tuple of Stage
+        In order; before the first one the world is `world`, which is also the world of the validation.
+    """
+
+    name: str
+    summary: str
+    algorithm: str
+    env: str
+    steps: int
+    world: dict[str, Any]
+    vec: Vec
+    hyperparameters: Ppo | Sac
+    policy: PpoNetwork | SacNetwork
+    imitation: Imitation
+    curriculum: tuple[Stage, ...]
+    validation: Validation
+    checkpoint: Checkpoint
+
+    def __post_init__(self) -> None:
+        """Check what several tables decide together."""
+        params = self.params
+        if params.interface.action == "discrete":
+            raise ParamsError("[world]: action 'discrete' cannot be exported; use displacement or velocity")
+        for previous, stage in pairwise((Stage(-1.0, {}), *self.curriculum)):
+            if stage.start <= previous.start:
+                raise ParamsError(f"[[curriculum]]: start = {stage.start:g} must exceed {previous.start:g} before it")
+            later = self._with(stage.world)
+            if later.interface != params.interface or spaces(later) != spaces(params):
+                raise ParamsError(
+                    f"[[curriculum]]: the stage from {stage.start:g} changes what the policy sees or does; track, "
+                    "action, planar and intruders belong to [world]"
+                )
+        if isinstance(self.hyperparameters, Ppo):
+            total = self.hyperparameters.n_steps * self.vec.n_envs
+            if total % self.hyperparameters.batch_size:
+                raise ParamsError(
+                    f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got "
+                    f"{self.hyperparameters.batch_size}"
+                )
+        if self.imitation.episodes:
+            if self.algorithm != "ppo":
+                raise ParamsError(f"[imitation]: only the actor of ppo can imitate, got algorithm {self.algorithm!r}")
+            _ = self.teacher  # refuses what cannot be imitated
+
+    @property
+    def teacher(self) -> Scripted:
+        """The rule that is imitated.
+
+        Raises
+        ------
+        ParamsError
+            If there is no such rule, or it does not fly with the interface of the world.
+        """
+        name, wanted = self.imitation.policy, self.params.interface
+        try:
+            teacher = baselines.make(name, self.params)
+        except ParamsError as error:
+            raise ParamsError(f"[imitation]: {error}") from error
+        if not isinstance(teacher, Scripted):
+            raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
+        found = teacher.world.interface
+        for field in ("track", "action", "reach_m"):
+            given, needed = getattr(wanted, field), getattr(found, field)
+            if given != needed:
+                raise ParamsError(
+                    f"[imitation]: policy {name!r} flies with {field} = {needed!r}, and [world] has {given!r}; set one "
+                    "to the other"
+                )
+        if found.action != "displacement":
+            raise ParamsError(f"[imitation]: policy {name!r} must command displacements, got action {found.action!r}")
+        return teacher
+
+    @property
+    def params(self) -> Params:
+        """The world, without the curriculum."""
+        return self._with({})
+
+    def stage(self, steps: int) -> int:
+        """How many stages of the curriculum have begun after so many steps."""
+        return sum(steps >= stage.start * self.steps for stage in self.curriculum)
+
+    def params_of(self, stage: int) -> Params:
+        """The world of a stage, counted from 1; 0 is `params`."""
+        return self._with(self.curriculum[stage - 1].world if stage else {})
+
+    def _with(self, changes: dict[str, Any]) -> Params:
+        params = Params.of(**{**IDS[self.env], **self.world, **changes})
+        chosen(params.encounter)  # refuses families that do not exist
+        return params
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tables of its file, with every default, in plain JSON types."""
+        return {
+            "recipe": {name: getattr(self, name) for name in HEAD},
+            "world": self.world,
+            "vec": self.vec.to_dict(),
+            "algorithm": self.hyperparameters.to_dict(),
+            "policy": self.policy.to_dict(),
+            "imitation": self.imitation.to_dict(),
+            "curriculum": [{"start": stage.start, **stage.world} for stage in self.curriculum],
+            "validation": self.validation.to_dict(),
+            "checkpoint": self.checkpoint.to_dict(),
+        }
+
+
+def recipes() -> dict[str, Path]:
+    """The shipped recipes: name -> TOML file."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
+
+
+def load(source: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Recipe:
+    """A recipe by its name or from a TOML file.
+
+    Parameters
+    ----------
+    source : str or path
+    changes : mapping, optional
+        `section.key` -> value, put into the file's tables before they are checked; `curriculum` -> list of tables.
+
+    Raises
+    ------
+    ParamsError
+        When no recipe or file has that name, or the file is not a recipe: the sentence names file, key and value.
+    """
+    text, shipped = os.fspath(source), recipes()
+    path = shipped.get(text) or Path(text)
+    if text not in shipped and not os.path.isfile(path):
+        if path.suffix == ".toml" or len(path.parts) > 1:
+            raise ParamsError(f"recipe file {text!r} does not exist")
+        raise ParamsError(f"recipe {text!r} is unknown{suggestion(text, shipped)}")
+    try:
+        if path.stat().st_size > SIZE_MAX:
+            raise ParamsError(f"recipe file {text!r} is larger than {SIZE_MAX} bytes")
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        if isinstance(error, ParamsError):
+            raise
+        raise ParamsError(f"recipe file {text!r} is not readable TOML: {error}") from error
+    for key, value in (changes or {}).items():
+        section, _, name = key.partition(".")
+        _known("--set: a recipe", "table", section, SECTIONS)
+        if name and section != "curriculum":
+            table = tables.setdefault(section, {})
+            if isinstance(table, dict):  # else refused below
+                table[name] = value
+        elif section == "curriculum" and not name:
+            tables[section] = value
+        else:
+            raise ParamsError(f"--set {key}: write section.key=value, such as algorithm.learning_rate=3e-4")
+    return from_dict(path.stem, tables)
+
+
+def from_dict(name: str, tables: Mapping[str, Any]) -> Recipe:
+    """The recipe of these tables, as in a file or from `Recipe.to_dict`.
+
+    Raises
+    ------
+    ParamsError
+        As `load`.
+    """
+    try:
+        for section, table in tables.items():
+            _known("a recipe", "table", section, SECTIONS)
+            if not isinstance(table, list if section == "curriculum" else Mapping):
+                raise ParamsError(f"[{section}] must be a {'list of tables' if section == 'curriculum' else 'table'}")
+        head = _head(tables.get("recipe", {}))
+        kind = ALGORITHMS[head["algorithm"]]
+        return Recipe(
+            name=name,
+            **head,
+            world=_world(tables.get("world", {})),
+            vec=_group("vec", Vec(), tables),
+            hyperparameters=_group("algorithm", kind.hyperparameters(), tables),
+            policy=_group("policy", kind.network(), tables),
+            imitation=_group("imitation", Imitation(), tables),
+            curriculum=tuple(_stage(table) for table in tables.get("curriculum", [])),
+            validation=_group("validation", Validation(), tables),
+            checkpoint=_group("checkpoint", Checkpoint(), tables),
+        )
+    except ParamsError as error:
+        raise ParamsError(f"recipe {name!r}: {error}") from error
+
+
+def parse_changes(items: Iterable[str]) -> dict[str, Any]:
+    """`key=value` of a command line, the value as in TOML, or else the text itself.
+
+    Raises
+    ------
+    ParamsError
+        Without `=`.
+    """
+    found: dict[str, Any] = {}
+    for item in items:
+        key, equals, value = item.partition("=")
+        if not equals or not key.strip():
+            raise ParamsError(f"--set {item!r} must be key=value")
+        try:
+            found[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except (tomllib.TOMLDecodeError, RecursionError):
+            found[key.strip()] = value.strip()
+    return found
+
+
+def _known(where: str, what: str, name: Any, known: Iterable[str]) -> None:
+    if name not in known:
+        raise ParamsError(f"{where} has no {what} {name!r}{suggestion(str(name), known)}")
+
+
+def _head(table: Mapping[str, Any]) -> dict[str, Any]:
+    for key in table:
+        _known("[recipe]", "key", key, HEAD)
+    for key in HEAD:
+        if key not in table and key != "summary":
+            raise ParamsError(f"[recipe] lacks {key!r}")
+    summary, steps = table.get("summary", ""), table["steps"]
+    if not isinstance(summary, str):
+        raise ParamsError(f"[recipe]: summary must be a text, got {summary!r}")
+    for key, registry in (("algorithm", ALGORITHMS), ("env", IDS)):
+        if not isinstance(table[key], str) or table[key] not in registry:
+            raise ParamsError(f"[recipe]: {key} = {table[key]!r} is unknown{suggestion(str(table[key]), registry)}")
+    if type(steps) is not int or not 1 <= steps <= STEPS_MAX:
+        raise ParamsError(f"[recipe]: steps must be a whole number in [1, {STEPS_MAX:g}], got {steps!r}")
+    return {"summary": summary, "algorithm": table["algorithm"], "env": table["env"], "steps": steps}
+
+
+G = TypeVar("G", bound=Group)
+
+
+def _group(section: str, defaults: G, tables: Mapping[str, Any]) -> G:
+    try:
+        return defaults.replace(**tables.get(section, {}))
+    except ParamsError as error:
+        raise ParamsError(f"[{section}]: {error}") from error
+
+
+def _world(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters, with channels as numbers: a recipe that is kept must not change with a file it named."""
+    world = dict(table)
+    if "channel" in world:
+        channels = world["channel"] if isinstance(world["channel"], list) else [world["channel"]]
+        world["channel"] = [load_channel(channel).to_dict() for channel in channels]
+    return world
+
+
+def _stage(table: Any) -> Stage:
+    if not isinstance(table, Mapping) or "start" not in table:
+        raise ParamsError(f"[[curriculum]]: a stage is a table with start, got {table!r}"[:300])
+    start = table["start"]
+    if isinstance(start, bool) or not isinstance(start, (int, float)) or not 0.0 <= start < 1.0:
+        raise ParamsError(f"[[curriculum]]: start must be a fraction of the steps in [0, 1), got {start!r}")
+    return Stage(float(start), _world({key: item for key, item in table.items() if key != "start"}))

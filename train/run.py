@@ -1,0 +1,272 @@
+"""A run: a folder with its recipe, one folder a seed, and in the end the best seed's agent.
+
+```
+run.json          recipe with every default, the world, seeds, versions, Git revision, command
+seed-K/           progress.csv, validation.csv, tensorboard/, checkpoint/, best/ (a policy folder), best.zip (SB3's)
+agent/            the best seed's policy folder
+```
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from importlib.metadata import PackageNotFoundError, version
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, load
+from rss_gym.eval.records import versions
+from rss_gym.eval.workers import end_with, interrupts_held
+from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
+from rss_gym.params import ParamsError
+from rss_gym.train import recipe as recipes
+from rss_gym.train.hyperparameters import ALGORITHMS
+from rss_gym.train.lock import locked
+from rss_gym.train.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rss_gym.train.loop import Times
+
+RUN, AGENT, LOCK = "run.json", "agent", "lock"
+BEST = "best"
+FORMAT = 1
+SEEDS_MAX = 1000
+
+
+def start(
+    recipe: Recipe,
+    out: str | os.PathLike[str],
+    seeds: int = 1,
+    workers: int = 1,
+    command: Sequence[str] = (),
+    show: bool | None = None,
+) -> Path:
+    """Train a recipe into the new folder `out`.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    out : path
+        New folder.
+    seeds : int
+        Trainings that differ in their seed only, k * 2**20 for k from 0.
+    workers : int
+        Processes, each with one seed at a time.
+    command : sequence of str
+        Kept in the run.
+    show : bool, optional
+        Show progress bars; default: when the error stream is a terminal.
+
+    Returns
+    -------
+    Path
+        The policy folder of the best seed.
+
+    Raises
+    ------
+    ParamsError
+        For numbers out of range, a folder that exists, or packages that are missing.
+    """
+    _whole("seeds", seeds, SEEDS_MAX)
+    _whole("workers", workers, SEEDS_MAX)
+    check_new(out)
+    _loop(recipe)
+    with new_folder(out) as folder:
+        write_text(folder / RUN, json.dumps(_document(recipe, seeds, command), indent=1, allow_nan=False) + "\n")
+        for index in range(seeds):
+            (folder / f"seed-{index}").mkdir()
+    return _train(Path(out), workers, show)
+
+
+def resume(folder: str | os.PathLike[str], workers: int = 1, show: bool | None = None) -> Path:
+    """Go on with a run from the checkpoints of its seeds; seeds that are done stay as they are.
+
+    Raises
+    ------
+    ParamsError
+        If this is not the folder of a run, another process trains it, or its world is another one today.
+    """
+    _whole("workers", workers, SEEDS_MAX)
+    _loop(read(folder)[0])
+    return _train(Path(folder), workers, show)
+
+
+def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
+    """A run's recipe and its `run.json`.
+
+    Raises
+    ------
+    ParamsError
+        As `resume`.
+    """
+    try:
+        document = json.loads((Path(folder) / RUN).read_text(encoding="utf-8"))
+        if document["format"] != FORMAT:
+            raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
+        recipe = recipes.from_dict(document["name"], document["recipe"])
+        _whole("seeds", len(document["seeds"]), SEEDS_MAX)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ParamsError(f"{str(folder)!r} is not the folder of a run: {RUN}: {error}") from error
+    if recipe.params.to_dict() != document["world"]:
+        raise ParamsError(
+            f"{str(folder)!r} was begun in a world that this version of rss-gym has other numbers for; go on with the "
+            f"version it was begun with, {document['versions'].get('rss-gym')}"
+        )
+    return recipe, document
+
+
+def best_seed(folder: str | os.PathLike[str]) -> tuple[Path, str]:
+    """The best policy folder among the seeds, all flown once more over the same encounters; and the table of seeds.
+
+    Raises
+    ------
+    ParamsError
+        If no seed has been validated yet.
+    """
+    from rss_gym.train.validation import Validator, ranked
+
+    recipe, document = read(folder)
+    root = Path(folder)
+    validator = Validator(recipe.params, recipe.validation.episodes)
+    found = {
+        name: load(root / name / BEST, recipe.params)
+        for name in (f"seed-{index}" for index in range(len(document["seeds"])))
+        if (root / name / BEST / DOCUMENT).exists()
+    }
+    if not found:
+        raise ParamsError(f"run {str(folder)!r} has no agent yet: its first validation is still to come")
+    scores = {name: validator.score(agent, name) for name, agent in found.items()}
+    places = ranked(scores)
+    lines = [f"{recipe.validation.episodes} encounters of split validation, 95 % intervals; best first:"]
+    for place in places:
+        steps = found[place.name].document["training"]["validation"]["steps"]
+        lines.append(f"  {place.place}. {place.name}, {steps:,} steps: {scores[place.name]}")
+    return root / places[0].name / BEST, "\n".join(lines)
+
+
+def _loop(recipe: Recipe) -> None:
+    """Refuse to begin without the learner's package."""
+    module = ALGORITHMS[recipe.algorithm].module
+    try:
+        __import__(module)
+    except ImportError as error:
+        raise ParamsError(f"training needs {module} ({error}): pip install 'rss-gym[train]'") from error
+
+
+def _whole(name: str, value: Any, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
+        raise ParamsError(f"{name} must be a whole number in [1, {most}], got {value!r}")
+
+
+def _document(recipe: Recipe, seeds: int, command: Sequence[str]) -> dict[str, Any]:
+    from rss_gym.train.loop import SEED_STRIDE
+
+    return {
+        "format": FORMAT,
+        "name": recipe.name,
+        "recipe": recipe.to_dict(),
+        "world": recipe.params.to_dict(),
+        "seeds": [index * SEED_STRIDE for index in range(seeds)],
+        "versions": {**versions(), **_versions("torch", "stable-baselines3", "sb3-contrib")},
+        "revision": _revision(),
+        "command": list(command),
+    }
+
+
+def _versions(*names: str) -> dict[str, str]:
+    found = {}
+    for name in names:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+def _revision() -> str | None:
+    """The Git revision of this package's sources, `-dirty` after changes; None outside a repository of its own."""
+
+    def git(*arguments: str) -> str:
+        here = Path(__file__).resolve().parent
+        return subprocess.run(["git", *arguments], cwd=here, capture_output=True, text=True, check=True).stdout.strip()
+
+    try:
+        git("ls-files", "--error-unmatch", Path(__file__).name)
+        return git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _train(folder: Path, workers: int, show: bool | None) -> Path:
+    from rss_gym.train.loop import has_tensorboard
+
+    with locked(folder / LOCK):
+        _, document = read(folder)
+        tidy(folder, AGENT)
+        if not has_tensorboard():
+            print("TensorBoard is not installed (pip install tensorboard): curves go to progress.csv only", flush=True)
+        count = len(document["seeds"])
+        bars = sys.stderr.isatty() if show is None else show
+        if min(workers, count) == 1:
+            for index in range(count):
+                _report(index, _seed(str(folder), index, bars))
+        else:
+            _spread(folder, count, workers, bars)
+        best, table = best_seed(folder)
+        with replaced_folder(folder / AGENT) as new:
+            for file in (DOCUMENT, WEIGHTS):
+                shutil.copyfile(best / file, new / file)
+        print(f"{table}\nagent: {folder / AGENT}", flush=True)
+    return folder / AGENT
+
+
+def _report(index: int, times: Times) -> None:
+    print(f"seed {index}: {times}", flush=True)
+
+
+def _seed(folder: str, index: int, show: bool, position: int = 0) -> Times:
+    from rss_gym.train.loop import train_seed
+
+    recipe, document = read(folder)
+    record = {key: document[key] for key in ("name", "recipe", "versions", "revision")}
+    return train_seed(recipe, Path(folder) / f"seed-{index}", index, record, show, position)
+
+
+def _spread(folder: Path, count: int, workers: int, show: bool) -> None:
+    """Train the seeds in processes of their own, which end with this one."""
+    lifeline, held = multiprocessing.Pipe(duplex=False)
+    spawn = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(min(workers, count), spawn, initializer=_begin, initargs=(lifeline,))
+    try:
+        with interrupts_held():
+            seeds = {pool.submit(_seed, str(folder), index, show, index): index for index in range(count)}
+        for seed in as_completed(seeds):
+            _report(seeds[seed], seed.result())
+    except BrokenProcessPool as error:
+        raise ParamsError(
+            f"a process that trained a seed died (out of memory, or killed); go on with --resume {folder}"
+        ) from error
+    except BaseException:
+        held.close()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+        held.close()
+        lifeline.close()
+
+
+def _begin(lifeline: Connection) -> None:
+    tqdm.set_lock(threading.RLock())  # its own is shared between processes, and left behind by one that ends at once
+    threading.Thread(target=end_with, args=(lifeline,), daemon=True).start()
