@@ -16,6 +16,9 @@ DEMO_POLICIES = (
     "none",
     *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
     "orthogonal@oracle:radius_m=60",
+    "orca",
+    "cbf",
+    "mpc",
     "constant:right_m=30",
     "blind",
 )
@@ -133,7 +136,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
     command.set_defaults(run=_paper)
 
-    command = commands.add_parser("demo", help="the rule of the paper over its radius, beside doing nothing")
+    command = commands.add_parser(
+        "demo", help="the rule of the paper over its radius, beside other rules and doing nothing"
+    )
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
     command.add_argument("--out", metavar="DIR", help="new folder; default: runs/demo, or the next free number")
