@@ -62,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--policy",
         nargs="+",
+        action="extend",
         required=True,
         metavar="NAME",
         help="such as none orthogonal:radius_m=60; all for every scripted one",
@@ -69,10 +70,14 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--suite", default="encounter-v0")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")
-    command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
-    command.add_argument("--track", nargs="+", help="oracle, paper or range; several give a folder each in DIR")
+    command.add_argument(
+        "--channel", nargs="+", action="extend", metavar="PRESET|FILE", help="channel, or several to draw from"
+    )
+    command.add_argument(
+        "--track", nargs="+", action="extend", help="oracle, paper or range; several give a folder each in DIR"
+    )
     command.add_argument("--estimator", help="ekf-coloured, ekf-white or ls")
-    command.add_argument("--families", nargs="+")
+    command.add_argument("--families", nargs="+", action="extend")
     command.add_argument("--workers", type=int, default=1)
     command.add_argument("--reference", metavar="NAME", help="policy that completed-only figures are compared with")
     command.add_argument("--out", required=True, metavar="DIR", help="new folder for scores and tables")
@@ -100,11 +105,17 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--steps", type=int, help="decisions of one seed, over all rows")
     command.add_argument("--seeds", type=int, help="trainings that differ in their seed only; default: 1")
     command.add_argument("--workers", type=int, default=1, help="processes, each with one seed at a time")
-    command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
+    command.add_argument(
+        "--channel", nargs="+", action="extend", metavar="PRESET|FILE", help="channel, or several to draw from"
+    )
     command.add_argument("--track", help="oracle, paper or range")
     command.add_argument("--resume", metavar="RUN", help="go on with the run in this folder from its checkpoints")
     command.add_argument(
-        "--set", nargs="+", metavar="KEY=VALUE", help="such as algorithm.learning_rate=3e-4 world.comfort_m=30"
+        "--set",
+        nargs="+",
+        action="extend",
+        metavar="KEY=VALUE",
+        help="such as algorithm.learning_rate=3e-4 world.comfort_m=30",
     )
     command.add_argument("--out", metavar="RUN", help="new folder for the run")
     command.set_defaults(run=_train)
@@ -115,13 +126,22 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--env", help="the id the .zip was trained in; default: rss_gym/Encounter-v0")
     command.add_argument("--algorithm", help="ppo, recurrent-ppo or sac; default: what the .zip looks like")
     command.add_argument(
-        "--set", nargs="+", metavar="KEY=VALUE", help="parameters of the world of the .zip, such as intruders=2"
+        "--set",
+        nargs="+",
+        action="extend",
+        metavar="KEY=VALUE",
+        help="parameters of the world of the .zip, such as intruders=2",
     )
     command.set_defaults(run=_export)
     command = commands.add_parser("calibrate", help="a channel from radio logs, with range errors on a test")
     command.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
     command.add_argument(
-        "--test", nargs="+", default=[], metavar="TEST", help="logs to test on; default: the last third of each record"
+        "--test",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="TEST",
+        help="logs to test on; default: the last third of each record",
     )
     command.add_argument("--format", default="csv", help="csv or mavlink")
     command.add_argument("--columns", default="", metavar="t=..,rss=..,dist=..", help="names of a table's columns")

@@ -17,7 +17,7 @@ from rss_gym.baselines.features import FEATURES, names
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS
 from rss_gym.params import Params, ParamsError, suggestion
-from rss_gym.train.export import export
+from rss_gym.train.export import Inputs, export
 from rss_gym.train.hyperparameters import ALGORITHMS
 from rss_gym.train.run import AGENT, best_seed, read
 
@@ -96,7 +96,8 @@ def export_model(
         text = " ".join(f"{type(error).__name__}: {error}".split())
         raise ParamsError(f"{os.fspath(path)!r} cannot be read as {kind.name}: {text}") from error
     stack, features = _seen(model.observation_space.shape[0], params)
-    return export(model, params, out, stack=stack, features=features, training={"source": Path(path).name})
+    inputs = Inputs(stack=stack, features=features)
+    return export(model, params, out, inputs, training={"source": Path(path).name})
 
 
 def _seen(width: int, params: Params) -> tuple[int, str]:

@@ -65,8 +65,8 @@ class Learner:
         vec, kind = recipe.vec, ALGORITHMS[recipe.algorithm]
         course = Course(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
         venv: VecEnv = VecFrameStack(course, vec.stack) if vec.stack > 1 else course
-        if recipe.policy.features != "none":
-            venv = Features(venv, recipe.policy.features, recipe.params)
+        if (recipe.policy.features, recipe.policy.zeroed) != ("none", "nothing"):
+            venv = Features(venv, recipe.policy.features, recipe.params, recipe.policy.zeroed)
         if vec.normalise_reward or vec.normalise_observation:
             venv = VecNormalize(
                 venv,
@@ -147,17 +147,18 @@ class Learner:
         return export.Normalisation.of(self.venv) if isinstance(self.venv, VecNormalize) else None
 
     @property
-    def _wrapped(self) -> tuple[export.Normalisation | None, int, str]:
-        """What stands between the rows and the model: normalisation as it is now, stack, features."""
-        return self.normalisation, self.recipe.vec.stack, self.recipe.policy.features
+    def _inputs(self) -> export.Inputs:
+        """What stands between the rows and the model, with the normalisation as it is now."""
+        policy = self.recipe.policy
+        return export.Inputs(self.normalisation, self.recipe.vec.stack, policy.features, policy.zeroed)
 
     def agent(self) -> Agent:
         """The policy as it is now."""
-        return export.agent(self.model, self.recipe.params, *self._wrapped)
+        return export.agent(self.model, self.recipe.params, self._inputs)
 
     def export(self, out: Path, training: dict[str, Any]) -> float:
         """Write it as a policy folder; see `rss_gym.train.export.export`."""
-        return export.export(self.model, self.recipe.params, out, *self._wrapped, training)
+        return export.export(self.model, self.recipe.params, out, self._inputs, training)
 
     def hold_actor(self) -> None:
         """Let the actor that has imitated a rule stay as it is until the critic can judge it."""
@@ -205,6 +206,6 @@ def _network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
     from torch import nn
 
     found = table.to_dict()
-    del found["features"]  # of the rows
+    del found["features"], found["zeroed"]  # of the rows
     found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]
     return found

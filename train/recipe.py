@@ -124,15 +124,14 @@ class Recipe:
         if not isinstance(teacher, Scripted):
             raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
         found = teacher.world.interface
-        for field in ("track", "action", "reach_m"):
+        fields = ["track", "action"] + ["reach_m"] * (found.action == "displacement")
+        for field in fields:
             given, needed = getattr(wanted, field), getattr(found, field)
             if given != needed:
                 raise ParamsError(
                     f"[imitation]: policy {name!r} flies with {field} = {needed!r}, and [world] has {given!r}; set one "
                     "to the other"
                 )
-        if found.action != "displacement":
-            raise ParamsError(f"[imitation]: policy {name!r} must command displacements, got action {found.action!r}")
         return teacher
 
     @property

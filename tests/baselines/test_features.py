@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rss_gym import observation
-from rss_gym.baselines.features import FEATURES, LIMIT, NEAR_M, TIME_MAX_S, append, names
+from rss_gym.baselines.features import FEATURES, LIMIT, append, names
+from rss_gym.baselines.features.approach import NEAR_M, TIME_MAX_S, Approach
 from rss_gym.core import Batch
 from rss_gym.params import Params
 
@@ -52,38 +53,38 @@ def columns(world, **values):
 
 def table(world, row):
     width = row.shape[1]
-    return dict(zip(names("approach", world), append("approach", row, world)[0, width:], strict=True))
+    return dict(zip(names("approach", world), append(Approach(world), row)[0, width:], strict=True))
 
 
 def test_none_adds_nothing(world):
     rows = flown(world, decisions=1)
-    assert names("none", world) == [] and append("none", rows, world) is rows
+    assert names("none", world) == [] and append(FEATURES["none"](world), rows) is rows
 
 
 def test_columns_stand_behind_the_observation(world):
     rows = flown(world, decisions=5)
     stacked = np.concatenate([np.full_like(rows, 0.5), rows], axis=1)
     for kind in FEATURES:
-        appended, known = append(kind, rows, world), names(kind, world)
+        appended, known = append(FEATURES[kind](world), rows), names(kind, world)
         assert appended.dtype == np.float32 and appended.shape[1] == rows.shape[1] + len(known)
         assert len(set(known)) == len(known)
         np.testing.assert_array_equal(appended[:, : rows.shape[1]], rows)
         # Only the newest observation counts.
-        np.testing.assert_array_equal(append(kind, stacked, world)[:, rows.shape[1] :], appended)
+        np.testing.assert_array_equal(append(FEATURES[kind](world), stacked)[:, rows.shape[1] :], appended)
 
 
 def test_rows_do_not_depend_on_the_batch_or_its_type(world):
     rows = flown(world)
-    appended = append("approach", rows, world)
-    np.testing.assert_array_equal(append("approach", rows.astype(np.float64), world).astype(np.float32), appended)
-    np.testing.assert_array_equal(append("approach", rows[::-1], world)[::-1], appended)
+    appended = append(Approach(world), rows)
+    np.testing.assert_array_equal(append(Approach(world), rows.astype(np.float64)).astype(np.float32), appended)
+    np.testing.assert_array_equal(append(Approach(world), rows[::-1])[::-1], appended)
     for row in range(0, len(rows), 7):
-        np.testing.assert_array_equal(append("approach", rows[row : row + 1], world)[0], appended[row])
+        np.testing.assert_array_equal(append(Approach(world), rows[row : row + 1])[0], appended[row])
 
 
 def test_silent_without_a_message(world):
     rows = flown(world)
-    features = append("approach", rows, world)[:, rows.shape[1] :].reshape(len(rows), world.encounter.intruders, -1)
+    features = append(Approach(world), rows)[:, rows.shape[1] :].reshape(len(rows), world.encounter.intruders, -1)
     held = observation.split(rows, world)["message_valid"] > 0.5
     assert held.any() and not held.all()
     assert not features[~held].any() and features[held].any(axis=1).all()
@@ -97,8 +98,8 @@ def mirror(rows, known):
 def test_a_mirrored_world_gives_mirrored_features(world):
     rows = flown(world)
     fields = [field.name for field in observation.fields(world)]
-    expected = mirror(append("approach", rows, world), fields + names("approach", world))
-    np.testing.assert_array_equal(append("approach", mirror(rows, fields), world), expected)
+    expected = mirror(append(Approach(world), rows), fields + names("approach", world))
+    np.testing.assert_array_equal(append(Approach(world), mirror(rows, fields)), expected)
 
 
 @given(data=st.data(), name=st.sampled_from(sorted(WORLDS)))
@@ -107,7 +108,7 @@ def test_finite_for_hostile_observations(data, name):
     width = len(observation.fields(world))
     value = st.floats(width=32, allow_nan=False) | st.sampled_from([0.0, 1.0, -1.0, 3.0, np.inf, -np.inf])
     row = np.array([data.draw(st.lists(value, min_size=width, max_size=width))], np.float32)
-    features = append("approach", row, world)[:, width:]
+    features = append(Approach(world), row)[:, width:]
     assert np.isfinite(features).all() and (np.abs(features) <= LIMIT).all()
 
 
@@ -116,7 +117,7 @@ def test_nan_stays_in_its_row(world):
     spoilt = rows.copy()
     spoilt[3] = np.nan
     others = np.arange(len(rows)) != 3
-    np.testing.assert_array_equal(append("approach", spoilt, world)[others], append("approach", rows, world)[others])
+    np.testing.assert_array_equal(append(Approach(world), spoilt)[others], append(Approach(world), rows)[others])
 
 
 coordinate = st.floats(-60.0, 60.0)

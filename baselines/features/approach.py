@@ -1,22 +1,14 @@
-"""What a learned policy is told besides the observation: the approach that the message held predicts.
-
-Features are functions of the observation alone. They use +, -, *, /, square roots and comparisons only, which IEEE 754
-fixes: a row has the same bits in every batch and on every machine. A new set is one function and one line in
-`FEATURES`.
-"""
+"""The closest approach that the message held predicts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from rss_gym import observation
+from rss_gym.baselines.features.feature_set import FeatureSet
 from rss_gym.baselines.located import vectors
-from rss_gym.params import Params
 
-LIMIT = 5.0  # features are clipped to this
 AXES = ("along", "right", "up")
 TIME_S, MISS_M, AWAY_M, SPEED_MPS = 20.0, 30.0, 60.0, 10.0  # scales
 NEAR_M = 10.0  # half of what a soft distance can say is said within this
@@ -24,12 +16,7 @@ TIME_MAX_S = 60.0
 SLOW_MPS = 0.1  # a relative velocity below this counts as this
 
 
-def nothing(rows: np.ndarray, world: Params) -> dict[str, np.ndarray]:
-    """The observation alone."""
-    return {}
-
-
-def approach(rows: np.ndarray, world: Params) -> dict[str, np.ndarray]:
+class Approach(FeatureSet):
     """The closest approach of straight flight by the message held, as flown now and as planned; zero without a message.
 
     `flown` starts at the own position with the own velocity, `planned` on the predefined trajectory with its velocity.
@@ -51,46 +38,22 @@ def approach(rows: np.ndarray, world: Params) -> dict[str, np.ndarray]:
     | | `time` and `distance` of the closest approach by it | 20 s, 30 m |
     | | `distance` also soft | 1 |
     """
-    seen = observation.split(np.clip(rows, *observation.bounds(world)), world)
-    axes = AXES[:2] if world.encounter.planar else AXES
+
+    def table(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> dict[str, np.ndarray]:
+        """Of every intruder."""
+        axes = AXES[:2] if self.world.encounter.planar else AXES
+        found = located(seen, axes) if "message_position_along_m" in seen else _ranged(seen, axes)
+        return known_only(seen, found)
+
+
+def known_only(seen: dict[str, np.ndarray], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Zero without a message."""
     known = seen["message_valid"] > 0.5
-    table = _located(seen, axes) if "message_position_along_m" in seen else _ranged(seen, axes)
     return {name: np.where(known, values, 0.0) for name, values in table.items()}
 
 
-FEATURES: dict[str, Callable[[np.ndarray, Params], dict[str, np.ndarray]]] = {"none": nothing, "approach": approach}
-
-
-def names(kind: str, world: Params) -> list[str]:
-    """Names of the features in a world, in order."""
-    table = FEATURES[kind](np.zeros((1, len(observation.fields(world)))), world)
-    return [f"intruder_{k}.{name}" for k in range(world.encounter.intruders) for name in table]
-
-
-def append(kind: str, rows: np.ndarray, world: Params) -> np.ndarray:
-    """The features behind the columns they are made of.
-
-    Parameters
-    ----------
-    kind : str
-        One of `FEATURES`.
-    rows : (n, m) array
-        The last columns are the newest observation of `world`; older ones may stand before it.
-    world : Params
-
-    Returns
-    -------
-    (n, m + f) array
-        Features are rounded to float32; finite for all rows without NaN.
-    """
-    table = FEATURES[kind](rows[:, -len(observation.fields(world)) :], world)
-    if not table:
-        return rows
-    features = np.clip(np.stack(list(table.values()), axis=-1), -LIMIT, LIMIT).astype(np.float32)
-    return np.concatenate([rows, features.reshape(len(rows), -1)], axis=1)
-
-
-def _located(seen: dict[str, Any], axes: tuple[str, ...]) -> dict[str, np.ndarray]:
+def located(seen: dict[str, Any], axes: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """The features where positions are known."""
     velocity, error = vectors(seen, "velocity", "mps")[:, None], vectors(seen, "track_error", "m")[:, None]
     announced = vectors(seen, "message_velocity", "mps")
     position = vectors(seen, "message_position", "m") + announced * seen["message_age_s"][..., None]
