@@ -137,6 +137,20 @@ class Sac(Hyperparameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pathwise(Hyperparameters):
+    """`rss_gym.train.pathwise.algorithm.Pathwise`; a batch is of encounters, of which a round flies one in every row."""
+
+    learning_rate: Schedule = field(default=Schedule(1e-3), metadata=within(1e-8, 1.0))
+    batch_size: int = number(1000, 2, 10**6)
+    n_epochs: int = number(2, 1, 1000)
+    max_grad_norm: float = number(10.0, 1e-6, 1e9)
+    miss_cost_m: float = number(1000.0, 0.0, 1e9)
+    miss_m: float = number(8.0, 0.1, 1000.0)
+    window: int = number(130, 2, 10_000)
+    gradient_decay: float = number(0.95, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PpoNetwork(Hyperparameters):
     """Actor and critic of PPO, each with these layers."""
 
@@ -249,11 +263,12 @@ class Algorithm:
     module: str
     name: str
     policy_name: str
-    hyperparameters: type[Ppo | Sac]
+    hyperparameters: type[Ppo | Pathwise | Sac]
     network: type[PpoNetwork | SacNetwork]
 
 
 ALGORITHMS: dict[str, Algorithm] = {
+    "pathwise": Algorithm("rss_gym.train.pathwise.algorithm", "Pathwise", "MlpPolicy", Pathwise, PpoNetwork),
     "ppo": Algorithm("stable_baselines3", "PPO", "MlpPolicy", Ppo, PpoNetwork),
     "recurrent-ppo": Algorithm("sb3_contrib", "RecurrentPPO", "MlpLstmPolicy", RecurrentPpo, RecurrentNetwork),
     "sac": Algorithm("stable_baselines3", "SAC", "MlpPolicy", Sac, SacNetwork),

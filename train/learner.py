@@ -21,7 +21,7 @@ from rss_gym.params import ParamsError
 from rss_gym.train import export
 from rss_gym.train.course import Course
 from rss_gym.train.features import Features
-from rss_gym.train.hyperparameters import ALGORITHMS, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.hyperparameters import ALGORITHMS, Hyperparameters, PpoNetwork, Sac, SacNetwork, Schedule
 from rss_gym.train.recipe import Recipe
 
 MODEL, STATE = "model.zip", "state.json"
@@ -85,7 +85,10 @@ class Learner:
             stats_window_size=RECENT,
             **_arguments(recipe.hyperparameters),
         )
-        return cls(recipe, seed, course, venv, model)
+        learner = cls(recipe, seed, course, venv, model)
+        if recipe.algorithm == "pathwise":
+            cast(Any, model).fly_in(recipe.params, learner._inputs)
+        return learner
 
     @classmethod
     def saved(cls, recipe: Recipe, seed: int, folder: Path) -> Learner:
@@ -189,7 +192,7 @@ class Learner:
             model._last_original_obs = self.venv.get_original_obs()
 
 
-def _arguments(table: Ppo | Sac) -> dict[str, Any]:
+def _arguments(table: Hyperparameters) -> dict[str, Any]:
     """As SB3 takes them."""
     found: dict[str, Any] = {}
     for item in dataclasses.fields(table):

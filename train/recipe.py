@@ -23,6 +23,7 @@ from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
     Imitation,
+    Pathwise,
     Ppo,
     PpoNetwork,
     Sac,
@@ -35,6 +36,7 @@ FOLDER = Path(__file__).parent / "recipes"
 STEPS_MAX = 10**12
 SIZE_MAX = 65536  # bytes
 SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
+IMITATORS = ("ppo", "pathwise")
 HEAD = ("summary", "algorithm", "env", "steps")
 
 
@@ -74,7 +76,7 @@ class Recipe:
     steps: int
     world: dict[str, Any]
     vec: Vec
-    hyperparameters: Ppo | Sac
+    hyperparameters: Ppo | Pathwise | Sac
     policy: PpoNetwork | SacNetwork
     imitation: Imitation
     curriculum: tuple[Stage, ...]
@@ -103,8 +105,11 @@ class Recipe:
                     f"{self.hyperparameters.batch_size}"
                 )
         if self.imitation.episodes:
-            if self.algorithm != "ppo":
-                raise ParamsError(f"[imitation]: only the actor of ppo can imitate, got algorithm {self.algorithm!r}")
+            if self.algorithm not in IMITATORS:
+                raise ParamsError(
+                    f"[imitation]: only the actors of {' and '.join(IMITATORS)} can imitate, got algorithm "
+                    f"{self.algorithm!r}"
+                )
             _ = self.teacher  # refuses what cannot be imitated
 
     @property

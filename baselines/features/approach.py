@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
 
 from rss_gym.baselines.features.feature_set import FeatureSet
 from rss_gym.baselines.located import vectors
@@ -39,76 +38,76 @@ class Approach(FeatureSet):
     | | `distance` also soft | 1 |
     """
 
-    def table(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> dict[str, np.ndarray]:
+    def table(self, seen: Mapping[str, Any], xp: Any) -> dict[str, Any]:
         """Of every intruder."""
         axes = AXES[:2] if self.world.encounter.planar else AXES
-        found = located(seen, axes) if "message_position_along_m" in seen else _ranged(seen, axes)
-        return known_only(seen, found)
+        has_positions = "message_position_along_m" in seen
+        return known_only(seen, located(seen, axes, xp) if has_positions else _ranged(seen, axes, xp), xp)
 
 
-def known_only(seen: dict[str, np.ndarray], table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def known_only(seen: Mapping[str, Any], table: dict[str, Any], xp: Any) -> dict[str, Any]:
     """Zero without a message."""
     known = seen["message_valid"] > 0.5
-    return {name: np.where(known, values, 0.0) for name, values in table.items()}
+    return {name: xp.where(known, values, xp.zeros_like(values)) for name, values in table.items()}
 
 
-def located(seen: dict[str, Any], axes: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """The features where positions are known."""
-    velocity, error = vectors(seen, "velocity", "mps")[:, None], vectors(seen, "track_error", "m")[:, None]
-    announced = vectors(seen, "message_velocity", "mps")
-    position = vectors(seen, "message_position", "m") + announced * seen["message_age_s"][..., None]
-    planned = announced.copy()
-    planned[..., 0] -= seen["cruise_mps"][:, None]
-    table, direction = _heading(planned, axes)
-    table["excess"] = (seen["range_m"] - _size(position)) / MISS_M
+def located(seen: Mapping[str, Any], axes: tuple[str, ...], xp: Any) -> dict[str, Any]:
+    """The features where positions are known, of arrays of the namespace `xp`: numpy, or torch for their gradients."""
+    velocity, error = vectors(seen, "velocity", "mps", xp)[:, None], vectors(seen, "track_error", "m", xp)[:, None]
+    announced = vectors(seen, "message_velocity", "mps", xp)
+    position = vectors(seen, "message_position", "m", xp) + announced * seen["message_age_s"][..., None]
+    cruise = seen["cruise_mps"][:, None]
+    planned = xp.stack([announced[..., 0] - cruise, announced[..., 1], announced[..., 2]], -1)
+    table, direction = _heading(planned, axes, xp)
+    table["excess"] = (seen["range_m"] - _size(position, xp)) / MISS_M
     table |= _components("position", position / AWAY_M, axes)
     for way, start, relative in (("flown", position, announced - velocity), ("planned", position + error, planned)):
-        time, miss = _closest(start, relative)
+        time, miss = _closest(start, relative, xp)
         table[f"{way}.time"] = time / TIME_S
-        table |= _both(f"{way}.distance", _size(miss))
+        table |= _both(f"{way}.distance", _size(miss, xp), xp)
         for axis, name in enumerate(axes):
-            table |= _both(f"{way}.miss_{name}", miss[..., axis])
-        table |= _both(f"{way}.side", direction[..., 0] * start[..., 1] - direction[..., 1] * start[..., 0])
+            table |= _both(f"{way}.miss_{name}", miss[..., axis], xp)
+        table |= _both(f"{way}.side", direction[..., 0] * start[..., 1] - direction[..., 1] * start[..., 0], xp)
     return table
 
 
-def _ranged(seen: dict[str, Any], axes: tuple[str, ...]) -> dict[str, np.ndarray]:
-    relative = vectors(seen, "message_velocity", "mps") - vectors(seen, "velocity", "mps")[:, None]
-    table, _ = _heading(relative, axes)
-    speed, distance = np.maximum(_size(relative), SLOW_MPS), seen["range_m"]
-    closing = np.clip(-seen["range_rate_mps"] / speed, -1.0, 1.0)
+def _ranged(seen: Mapping[str, Any], axes: tuple[str, ...], xp: Any) -> dict[str, Any]:
+    relative = vectors(seen, "message_velocity", "mps", xp) - vectors(seen, "velocity", "mps", xp)[:, None]
+    table, _ = _heading(relative, axes, xp)
+    speed, distance = xp.clip(_size(relative, xp), SLOW_MPS, None), seen["range_m"]
+    closing = xp.clip(-seen["range_rate_mps"] / speed, -1.0, 1.0)
     table["closing"] = closing
-    table["time"] = np.clip(distance * closing / speed, 0.0, TIME_MAX_S) / TIME_S
-    return table | _both("distance", distance * np.sqrt(1.0 - closing * closing))
+    table["time"] = xp.clip(distance * closing / speed, 0.0, TIME_MAX_S) / TIME_S
+    return table | _both("distance", distance * xp.sqrt(1.0 - closing * closing), xp)
 
 
-def _heading(relative: np.ndarray, axes: tuple[str, ...]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+def _heading(relative: Any, axes: tuple[str, ...], xp: Any) -> tuple[dict[str, Any], Any]:
     """Speed and direction as features, and the direction."""
-    speed = _size(relative)
-    direction = relative / np.maximum(speed, SLOW_MPS)[..., None]
+    speed = _size(relative, xp)
+    direction = relative / xp.clip(speed, SLOW_MPS, None)[..., None]
     return {"speed": speed / SPEED_MPS} | _components("direction", direction, axes), direction
 
 
-def _closest(position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _closest(position: Any, velocity: Any, xp: Any) -> tuple[Any, Any]:
     """Time of the closest approach of straight flight, and the relative position then."""
-    square = np.maximum(_dot(velocity, velocity), SLOW_MPS * SLOW_MPS)
-    time = np.clip(-_dot(position, velocity) / square, 0.0, TIME_MAX_S)
+    square = xp.clip(_dot(velocity, velocity), SLOW_MPS * SLOW_MPS, None)
+    time = xp.clip(-_dot(position, velocity) / square, 0.0, TIME_MAX_S)
     return time, position + velocity * time[..., None]
 
 
-def _dot(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+def _dot(one: Any, two: Any) -> Any:
     """Scalar product, its sum in this order everywhere."""
     return one[..., 0] * two[..., 0] + one[..., 1] * two[..., 1] + one[..., 2] * two[..., 2]
 
 
-def _size(vector: np.ndarray) -> np.ndarray:
-    return np.sqrt(_dot(vector, vector))
+def _size(vector: Any, xp: Any) -> Any:
+    return xp.sqrt(_dot(vector, vector))
 
 
-def _components(name: str, vector: np.ndarray, axes: tuple[str, ...]) -> dict[str, np.ndarray]:
+def _components(name: str, vector: Any, axes: tuple[str, ...]) -> dict[str, Any]:
     return {f"{name}_{axis}": vector[..., index] for index, axis in enumerate(axes)}
 
 
-def _both(name: str, distance_m: np.ndarray) -> dict[str, np.ndarray]:
+def _both(name: str, distance_m: Any, xp: Any) -> dict[str, Any]:
     """A distance by its scale, and soft."""
-    return {name: distance_m / MISS_M, f"{name}.soft": distance_m / (np.abs(distance_m) + NEAR_M)}
+    return {name: distance_m / MISS_M, f"{name}.soft": distance_m / (xp.abs(distance_m) + NEAR_M)}

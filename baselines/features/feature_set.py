@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -28,14 +30,29 @@ class FeatureSet:
         """Width of what is remembered of a row's episode."""
         return 0
 
-    def table(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> dict[str, np.ndarray]:
-        """Feature -> values, own (n,) and of each intruder (n, K); `seen` in SI units as of `observation.split`."""
+    def facts(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> dict[str, np.ndarray]:
+        """What memory adds to `seen`, each (n, K) in SI units; memory (n, columns) is changed in place.
+
+        Positions are relative to the own solution, in the axes of the leg; their names hold `position`.
+        """
+        return {}
+
+    def table(self, seen: Mapping[str, Any], xp: Any) -> dict[str, Any]:
+        """Feature -> values (n, K) of every intruder, in order.
+
+        Parameters
+        ----------
+        seen : mapping
+            In SI units as of `observation.split`, and the facts.
+        xp : module
+            Namespace of the arrays: numpy, or torch, for gradients.
+        """
         raise NotImplementedError
 
 
 class Nothing(FeatureSet):
     """The observation alone."""
 
-    def table(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> dict[str, np.ndarray]:
+    def table(self, seen: Mapping[str, Any], xp: Any) -> dict[str, Any]:
         """Empty."""
         return {}

@@ -1,0 +1,174 @@
+"""The gradient through the flight: the surrogate repeats the world, and its gradient is that of what it computes."""
+
+import numpy as np
+import pytest
+import torch
+
+from rss_gym.baselines.features import FEATURES, append
+from rss_gym.params import ParamsError
+from rss_gym.train import recipe
+from rss_gym.train.learner import Learner
+from rss_gym.train.pathwise.flights import Flights, record
+from rss_gym.train.pathwise.surrogate import Surrogate, _tame
+
+ROWS, WINDOW = 48, 90
+RECIPES = {"plane": {}, "space": {}, "range": {}, "plane without ranges": {"policy.zeroed": "range"}}
+
+
+def learner(name, **changes):
+    small = {"vec.n_envs": ROWS, "imitation.episodes": 0, "policy.net_arch": [16], "algorithm.batch_size": 24}
+    return Learner.new(recipe.load(name.split()[0], {**small, **RECIPES[name], **changes}), 0)
+
+
+def flown(one, window=WINDOW):
+    one.venv.reset()
+    return record(one.course.venv.batch, one.agent(), window)
+
+
+@pytest.fixture(scope="module", params=sorted(RECIPES))
+def case(request):
+    """A learner whose actor has only just been made, and its flights."""
+    torch.manual_seed(0)
+    one = learner(request.param)
+    one.venv.reset()
+    flights, decisions = record(one.course.venv.batch, one.agent(), WINDOW)
+    return one, flights, decisions
+
+
+def actor(one):
+    policy = one.model.policy
+    return lambda rows: policy.action_net(policy.mlp_extractor.policy_net(rows))
+
+
+def test_flights_are_those_of_the_batch(case):
+    one, flights, decisions = case
+    assert 0 < len(flights) <= ROWS and flights.kept.shape == (WINDOW + 1, len(flights))
+    assert decisions >= flights.kept.sum() > 0.5 * flights.kept.numel()
+    assert not flights.seen["message_valid"][0].any() or (flights.seen["time_s"][0] == 0.0).any()
+    assert flights.seen["message_valid"][2].all() or RECIPES["plane without ranges"]  # it is held from then on
+    assert (flights.decisions >= flights.kept.sum(dim=0) - 1).all()
+
+
+def test_the_surrogate_sees_what_the_policy_saw(case):
+    """At the recorded states the network's inputs are those computed from the observations."""
+    one, _, _ = case
+    batch, world, network = one.course.venv.batch, one.recipe.params, one.agent().network
+    one.venv.reset()
+    start = batch.numbers.copy()
+    flights, _ = record(batch, one.agent(), WINDOW)
+    features, memory = FEATURES[network.features](world), None
+    batch.numbers[:] = start
+    batch.reset(np.ones(ROWS, bool))
+    memory = np.zeros((ROWS, features.columns))
+    state, first, done, seen = None, np.ones(ROWS, bool), np.zeros(ROWS, bool), []
+    agent = one.agent()
+    for _ in range(40):
+        mask = one.model.surrogate._kept.numpy()
+        seen.append(append(features, batch.observations * mask, memory))
+        actions, state = agent.predict(batch.observations, state, first)
+        full = np.concatenate([actions, np.zeros((ROWS, 3 - actions.shape[1]))], axis=1)
+        batch.step(full, done)
+        done |= batch.episode["terminated"] | batch.episode["truncated"]
+        first = np.zeros(ROWS, bool)
+    times = torch.stack([torch.as_tensor(rows[:, 0]) for rows in seen])
+    del times
+    everything = np.stack(seen)
+    compared = 0
+    for t in range(20):
+        rows = one.model.surrogate.inputs(
+            flights, t, flights.position[t], flights.velocity[t], flights.way_point[t]
+        ).detach()
+        for n in range(0, len(flights), 5):
+            distance = np.abs(everything - rows[n].numpy()).max(axis=-1)
+            if flights.seen["time_s"][t, n] < 15.0:  # within the 40 decisions flown above
+                assert distance.min() < 2e-4
+                compared += 1
+    assert compared > 20
+
+
+def test_the_surrogate_flies_as_the_world(case):
+    """With the actor's own actions the paths differ only by what gusts change within a decision."""
+    one, flights, _ = case
+    with torch.no_grad():
+        separation, deviation = one.model.surrogate.fly(flights, actor(one), 1.0, 1e9)
+    kept = flights.kept > 0.5
+    away = torch.where(kept, (flights.intruder - flights.position).norm(dim=-1), torch.inf).amin(dim=0)
+    off = ((flights.position - flights.planned).norm(dim=-1) * kept)[1:].sum(dim=0) / flights.decisions
+    assert (separation - away).median().abs() < 0.3  # twice a decision against thrice
+    assert ((separation - away).abs() < 3.0).float().mean() > 0.8
+    assert deviation.mean() == pytest.approx(float(off.mean()), rel=0.03, abs=0.05)
+
+
+def test_the_gradient_is_that_of_the_cost():
+    """Against central differences, in double precision, without decay or cut."""
+    torch.manual_seed(0)
+    one = learner("plane")
+    flights, _ = flown(one, window=25)
+    double = Flights(
+        seen={name: value.double() for name, value in flights.seen.items()},
+        **{name: getattr(flights, name).double() for name in Flights.__dataclass_fields__ if name != "seen"},
+    )
+    surrogate: Surrogate = one.model.surrogate
+    for name in ("_scale", "_low", "_high", "_kept"):
+        setattr(surrogate, name, getattr(surrogate, name).double())
+    policy = one.model.policy.double()
+    shift = torch.zeros(2, dtype=torch.float64, requires_grad=True)
+
+    def cost(offset):
+        rows = actor(one)
+        separation, deviation = surrogate.fly(double, lambda seen: rows(seen) + offset, 1.0, 1e9)
+        return (deviation + torch.exp(-0.5 * (separation / 60.0) ** 2) * 20.0).mean()
+
+    cost(shift).backward()
+    with torch.no_grad():
+        for axis in range(2):
+            step = torch.zeros(2, dtype=torch.float64)
+            step[axis] = 1e-5
+            slope = float(cost(step) - cost(-step)) / 2e-5
+            assert float(shift.grad[axis]) == pytest.approx(slope, rel=2e-3)
+    assert all(torch.isfinite(value).all() for value in policy.parameters())
+
+
+@pytest.mark.parametrize("name", ["plane", "space", "range"])
+def test_a_gradient_is_finite_for_every_weight(name):
+    one = learner(name)
+    one.model.flights, _ = flown(one)
+    cost, _, _ = one.model._cost(one.model.flights)
+    cost.backward()
+    policy = one.model.policy
+    for value in [*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()]:
+        assert torch.isfinite(value.grad).all() and value.grad.abs().max() > 0.0
+
+
+def test_the_cut_holds_each_encounter():
+    given = torch.tensor([[3.0, 4.0, 0.0], [0.3, 0.4, 0.0], [0.0, 0.0, 0.0]])
+    tamed = _tame(given, decay=0.5, largest=1.0)
+    torch.testing.assert_close(tamed, torch.tensor([[0.6, 0.8, 0.0], [0.15, 0.2, 0.0], [0.0, 0.0, 0.0]]))
+
+
+def test_training_lowers_the_cost():
+    """On flights that it was not trained on."""
+    torch.manual_seed(0)
+    one = learner("plane", **{"recipe.steps": 60_000, "algorithm.learning_rate": 3e-3, "vec.n_envs": 96})
+    others, _ = flown(one)
+    with torch.no_grad():
+        before = float(one.model._cost(others)[0])
+    one.model.learn(one.recipe.steps)
+    with torch.no_grad():
+        after = float(one.model._cost(others)[0])
+    assert after < 0.9 * before
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"world.intruders": 2}, "intruders = 2"),
+        ({"world.action": "displacement", "imitation.episodes": 0}, "'displacement'"),
+        ({"vec.stack": 2}, "stack = 1"),
+        ({"vec.normalise_observation": True}, "normalise_observation"),
+    ],
+)
+def test_what_cannot_be_differentiated_is_refused(changes, said):
+    with pytest.raises(ParamsError, match="pathwise") as refused:
+        learner("plane", **changes)
+    assert said in str(refused.value)
