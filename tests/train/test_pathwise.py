@@ -96,7 +96,7 @@ def test_the_surrogate_flies_as_the_world(case):
     off = ((flights.position - flights.planned).norm(dim=-1) * kept)[1:].sum(dim=0) / flights.decisions
     assert (separation - away).median().abs() < 0.3  # twice a decision against thrice
     assert ((separation - away).abs() < 3.0).float().mean() > 0.8
-    assert deviation.mean() == pytest.approx(float(off.mean()), rel=0.03, abs=0.05)
+    assert deviation.mean() == pytest.approx(float(off.mean()), rel=0.03, abs=0.1)  # gusts change within a decision
 
 
 def test_the_gradient_is_that_of_the_cost():
