@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
         nargs="+",
         required=True,
         metavar="NAME",
-        help="such as none orthogonal:radius_m=60; all for every scripted one",
+        help="such as none orthogonal:radius_m=60; all for every one that can fly there",
     )
     command.add_argument("--suite", default="encounter-v0")
     command.add_argument("--episodes", type=int, help="default: the suite's")
