@@ -71,15 +71,6 @@ def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(c
     assert status == 2 and not out and "cannot fly on track 'range'" in err and not list(tmp_path.iterdir())
 
 
-def test_the_demo_flies_the_rule_over_its_radius(capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    status, out, _ = run(capsys, "demo", "--episodes", "20", "--workers", "1")
-    assert status == 0 and "report: runs/demo/report.html" in out
-    assert (tmp_path / "runs" / "demo" / "report.html").stat().st_size > 10_000
-    for name in ("none", "orthogonal:radius_m=15", "orthogonal:radius_m=120"):
-        assert name in out
-
-
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
