@@ -49,24 +49,30 @@ def radio() -> Radio:
     """The channel calibrated from the logs that are at hand, or else the preset."""
     folder = Path(os.environ.get("RSS_GYM_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data") / LOGS
     logs = sorted(folder.glob("*.csv"))
-    if len(logs) < 2:
-        path = presets()[PRESET]
-        comment_ = path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
-        origin = f"No radio logs are at hand (RSS_GYM_DATA), so it is the preset {PRESET}: {comment_}"
-        return Radio(load_channel(PRESET), origin, comment_)
+    return _calibrated(logs) if len(logs) > 1 else _preset()
+
+
+def _preset() -> Radio:
+    line = presets()[PRESET].read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
+    origin = f"No radio logs are at hand (RSS_GYM_DATA), so it is the preset {PRESET}: {line}"
+    return Radio(load_channel(PRESET), origin, line)
+
+
+def _calibrated(logs: list[Path]) -> Radio:
+    """Fitted to the first half of the logs, tested on the others."""
     half = len(logs) // 2
     found = calibrate(read(logs[:half]), read(logs[half:]))
     far_m = max(record.distance_m.max() for record in found.fit.records)
     channel, p80_m = found.fit.channel, {name: score.p80_m.value for name, score in found.scores.items()}
-    origin = (
+    lines = [
         f"Calibrated from {part(found.fit.records, True, '')} of {LOGS}, at up to {far_m:.0f} m: path loss factor "
         f"{channel.path_loss_factor:.2f}, white {channel.white_variance_db2:.2g} dB^2, coloured "
-        f"{channel.coloured_variance_db2:.2g} dB^2 over {channel.coloured_tc_s:.2g} s. On the logs held out 80 % of "
-        f"the range errors are within {p80_m['ekf-coloured']:.1f} m ({p80_m['constant']:.1f} m for a constant guess)."
-    )
-    return Radio(
-        channel, " ".join([origin, *(f"Warning: {warning}." for warning in found.fit.warnings)]), comment(found)
-    )
+        f"{channel.coloured_variance_db2:.2g} dB^2 over {channel.coloured_tc_s:.2g} s.",
+        f"On the logs held out 80 % of the range errors are within {p80_m['ekf-coloured']:.1f} m "
+        f"({p80_m['constant']:.1f} m for a constant guess).",
+        *(f"Warning: {warning}." for warning in found.fit.warnings),
+    ]
+    return Radio(channel, " ".join(lines), comment(found))
 
 
 def run(out: str | os.PathLike[str], episodes: int, workers: int) -> Path:

@@ -1,4 +1,4 @@
-"""The demo: rules and agents on two channels, one page, with radio logs at hand and without."""
+"""The demo: rules and agents on two channels in one page, with radio logs at hand and without."""
 
 import json
 import re
