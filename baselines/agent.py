@@ -158,7 +158,7 @@ class Agent:
         return (actions if values.ndim > 1 else actions[0]), memory
 
 
-def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
+def load(folder: str | os.PathLike[str], params: Params | None = None, called: str | None = None) -> Agent:
     """The policy in a folder, for a world.
 
     Parameters
@@ -167,6 +167,8 @@ def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
         With `policy.json` and `policy.safetensors`.
     params : Params, optional
         The world; the agent's own `world` is this with the interface of the agent.
+    called : str, optional
+        What an error calls the policy; default: its folder.
 
     Raises
     ------
@@ -188,7 +190,7 @@ def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
             )
         tensors = _tensors(blob, network.shapes(world))
     except ParamsError as error:
-        raise ParamsError(f"policy folder {os.fspath(folder)!r}: {error}") from error
+        raise ParamsError(f"{called or f'policy folder {os.fspath(folder)!r}'}: {error}") from error
     return Agent(network, tensors, world, document, hashlib.sha256(text + blob).hexdigest())
 
 

@@ -105,8 +105,12 @@ def chart(tracks: dict[str, dict[str, list[Row]]], none: dict[str, Row]) -> str:
         for axes in drawing.axes:
             handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         drawing.axes[0].figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+    return picture(drawing)
+
+
+def picture(drawing: figure.Drawing) -> str:
+    """A figure of a page as an SVG of its own, with the page's colours."""
     svg = re.sub(r"</?figure[^>]*>", "", drawing.markup)
-    # The page's colours, as far as a picture needs them.
     style = (page.FOLDER / "style.css").read_text(encoding="utf-8").partition(".nominal")[0]
     return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
 

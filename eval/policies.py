@@ -32,7 +32,7 @@ class Entry:
 
 
 def identity(spec: str, policy: Any) -> str:
-    """The specification with a learned policy's digest in place of its folder, alone or inside `cbf+`."""
+    """The specification with a learned policy's digest in place of its folder or name, alone or inside `cbf+`."""
     if isinstance(policy, Agent):
         return policy.digest
     inside = baselines.parse(spec).base if baselines.is_known(spec) else None
@@ -45,8 +45,9 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     Parameters
     ----------
     policy : str or object
-        A name of `rss_gym.baselines.POLICIES` with options, the folder of a learned policy, `module:attribute` (an
-        object with `predict`, or a function that takes the `Params` and returns one), or an object with `predict`.
+        A name of `rss_gym.baselines.POLICIES` with options or of `AGENTS`, the folder of a learned policy,
+        `module:attribute` (an object with `predict`, or a function that takes the `Params` and returns one), or an
+        object with `predict`.
     world : Params
         The suite's world.
 

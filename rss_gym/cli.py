@@ -11,17 +11,6 @@ from collections.abc import Sequence
 from typing import Any
 
 DEMO_EPISODES = 10_000
-DEMO_REFERENCE = "orthogonal:radius_m=60"  # the replays show each policy beside it
-DEMO_POLICIES = (
-    "none",
-    *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
-    "orthogonal@oracle:radius_m=60",
-    "orca",
-    "cbf",
-    "mpc",
-    "constant:right_m=30",
-    "blind",
-)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -65,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
         action="extend",
         required=True,
         metavar="NAME",
-        help="such as none orthogonal:radius_m=60; all for every scripted one",
+        help="such as none orthogonal:radius_m=60; all for every one that can fly there",
     )
     command.add_argument("--suite", default="encounter-v0")
     command.add_argument("--episodes", type=int, help="default: the suite's")
@@ -157,7 +146,7 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(run=_paper)
 
     command = commands.add_parser(
-        "demo", help="the rule of the paper over its radius, beside other rules and doing nothing"
+        "demo", help="the rule of the paper over its radius beside other rules and learned agents, on two channels"
     )
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
@@ -351,20 +340,9 @@ def _see_modules_here() -> None:
 
 
 def _demo(options: argparse.Namespace) -> None:
-    from rss_gym.eval import evaluate, records, report, text
-    from rss_gym.files import check_new
+    from rss_gym import demo
 
-    out = options.out or _unused("runs/demo")
-    check_new(out)
-    print(
-        f"Flying {len(DEMO_POLICIES)} policies over the same {options.episodes} encounters on {options.workers} "
-        "processes.",
-        flush=True,
-    )
-    result = evaluate(DEMO_POLICIES, episodes=options.episodes, workers=options.workers, reference=DEMO_REFERENCE)
-    folder = records.save(result, out, page=report.write)
-    print(text.table(result))
-    print(f"report: {folder / report.REPORT}")
+    print(f"report: {demo.run(options.out or _unused('runs/demo'), options.episodes, options.workers)}")
 
 
 def _unused(stem: str) -> str:
