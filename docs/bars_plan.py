@@ -14,6 +14,15 @@ from rss_gym.eval.metrics import METRICS
 from rss_gym.eval.suites import find
 from rss_gym.params import ParamsError, suggestion
 
+KINDS_OF_VALUE = {
+    bool: "true or false",
+    int: "a whole number >= 0",
+    float: "a number",
+    str: "a string",
+    tuple: "a list",
+    dict: "a table",
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
@@ -226,8 +235,7 @@ def _typed(value: Any, wanted: Any, where: str) -> Any:
     if wanted is float and type(value) is int:
         value = float(value)
     plain = get_origin(wanted) or wanted
-    if not isinstance(value, plain) or (isinstance(value, bool) and plain is not bool):
-        raise ParamsError(f"{where} must be a {plain.__name__}, got {value!r}"[:300])
-    if plain is int and value < 0:
-        raise ParamsError(f"{where} must be a whole number >= 0, got {value!r}")
+    is_wrong = not isinstance(value, plain) or (isinstance(value, bool) and plain is not bool)
+    if is_wrong or (plain is int and value < 0):
+        raise ParamsError(f"{where} must be {KINDS_OF_VALUE[plain]}, got {value!r}"[:300])
     return value

@@ -132,7 +132,8 @@ def _draw(axes: Any, rows: list[Row], colour: str, marker: str, label: str, **li
         [height - (rate.low or height) for height, rate in zip(heights, rates, strict=True)],
         [rate.high - height for height, rate in zip(heights, rates, strict=True)],
     ]
-    axes.errorbar(deviation, heights, ends, color=colour, elinewidth=0.8, label=label, **line)
+    axes.errorbar(deviation, heights, ends, color=colour, elinewidth=0.8, **line)
+    axes.plot([], [], marker=marker, color=colour, markersize=4, label=label, **line)  # for the legend
     for x, height, rate in zip(deviation, heights, rates, strict=True):
         axes.plot(x, height, marker, color=colour, markersize=4, fillstyle="full" if rate.value else "none")
 
