@@ -13,8 +13,17 @@ import numpy as np
 import opponents
 
 from rss_gym.eval.curve import Beside, Points, deviation_beside, rate_beside
-from rss_gym.eval.intervals import Interval, clopper_pearson, mcnemar_exact, mean_t, mean_zero_t, paired_difference
+from rss_gym.eval.intervals import (
+    Interval,
+    clopper_pearson,
+    holm,
+    mcnemar_exact,
+    mean_t,
+    mean_zero_t,
+    paired_difference,
+)
 from rss_gym.eval.metrics.path_deviation import deviations_m
+from rss_gym.eval.ranking import ALPHA
 from rss_gym.eval.reading import Record
 
 EVENTS = {"collision": "collisions", "snmac": "sNMACs"}
@@ -167,6 +176,15 @@ def deviates_less(one: Flight, other: Flight) -> bool:
     return high is not None and high < 0.0
 
 
+def best_of(settings: Sequence[Flight]) -> Flight:
+    """The setting that leads the ranking; see `DeviationOfBest`."""
+    safest = min(settings, key=lambda flight: (_upper(flight), flight.points.mean_m))
+    others = [flight for flight in settings if flight is not safest]
+    p_values = holm([events_between(safest, other, "collision").p or 0.0 for other in others])
+    tied = [other for other, p in zip(others, p_values, strict=True) if p >= ALPHA]
+    return min([safest, *tied], key=lambda flight: flight.points.mean_m)
+
+
 @dataclass(frozen=True, kw_only=True)
 class FewerEvents(Bar):
     """Fewer events than each setting of the groups; with `equal_deviation` only settings that do not deviate less.
@@ -192,8 +210,10 @@ class FewerEvents(Bar):
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationOfBest(Bar):
-    """Mean deviation below a share of that of the groups' safest setting.
+    """Mean deviation below a share of that of the groups' best setting.
 
+    The best is that of the ranking (`rss_gym.eval.ranking`), here on the encounters that two settings share: of the
+    settings that exact McNemar tests with Holm's correction do not tell from the safest, the one that deviates least.
     The safest has the least one-sided 95 % upper bound of the collision rate: one flown seldom is not it by luck.
     """
 
@@ -202,13 +222,13 @@ class DeviationOfBest(Bar):
     def findings(self, flown: Flown) -> Findings:
         """One paired t test of each judged flight."""
         settings = flown.settings(self.against)
-        best = min(settings, key=lambda flight: (_upper(flight), flight.points.mean_m))
+        best = best_of(settings)
         found = []
         for agent in self.judged(flown):
             n = min(len(agent.points), len(best.points))
             own, other = agent.points.deviation_m[:n], best.points.deviation_m[:n]
             what = (
-                f"{np.mean(own):.2f} m against {np.mean(other):.2f} m of `{best.name}`, the safest; {_less(self.share)}"
+                f"{np.mean(own):.2f} m against {np.mean(other):.2f} m of `{best.name}`, its best; {_less(self.share)}"
             )
             difference = own - self.share * other
             found.append(Finding(what, mean_t(difference), LENGTH, p=mean_zero_t(difference)))

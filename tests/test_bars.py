@@ -187,15 +187,26 @@ def test_settings_that_deviate_less_are_named_and_not_compared():
     assert judged.verdict == "missed" and "nothing to compare" in judged.outcome
 
 
-def test_the_safest_setting_is_not_one_that_was_flown_seldom():
-    """0 of 20 bounds the rate by 0.14, 10 of 2000 by 0.009."""
+def test_the_deviation_is_compared_with_that_of_the_rule_at_its_best():
     bar = bars_asked.DeviationOfBest(asked="", against=("rule",), share=0.5)
-    agent = flight("a", [], 4.0)
-    findings = bar.findings(flown(agent, flight("seldom", [], 3.0, n=20), flight("often", range(10), 10.0)))
-    (finding,) = findings.found
-    assert "`often`, the safest" in finding.what
+    settings = [flight("safe", range(10), 10.0), flight("risky", range(100), 2.0)]
+    (finding,) = bar.findings(flown(flight("a", [], 4.0), *settings)).found
+    assert "`safe`, its best" in finding.what
     assert finding.value.value == pytest.approx(4.0 - 0.5 * 10.0)
     assert finding.holds(0.01, 0.05) and not finding.holds(0.06, 0.05)
+
+
+def test_the_best_deviates_least_of_those_not_told_from_the_safest():
+    """Against 10 collisions, 14 others have p = 2 / 2^4 at least; 60 are told apart."""
+    safest, tied, apart = flight("safest", range(10), 9.0), flight("tied", range(14), 6.0), flight("b", range(70), 3.0)
+    assert bars_asked.best_of([apart, safest, tied]) is tied
+    assert bars_asked.best_of([apart, safest]) is safest
+
+
+def test_the_safest_setting_is_not_one_that_was_flown_seldom():
+    """0 of 20 bounds the rate by 0.14, 10 of 2000 by 0.009; from 0 of 20 not even 60 of 2000 would be told."""
+    seldom, often = flight("seldom", [], 30.0, n=20), flight("often", range(10), 10.0)
+    assert bars_asked.best_of([seldom, often, flight("risky", range(40, 100), 5.0)]) is often
 
 
 def test_every_seed_stands_beside_the_curve():
