@@ -175,7 +175,10 @@ class Report:
             where = f"Suite `{agent.suite}`, split `{agent.split}`, seed {agent.seed}."
             text += [f"## `{agent.name}`", where, self.scores(agent.name)]
         if self.ablations:
-            text += ["## Ablations", opponents.scores(self.ablations)]
+            suites = {item.suite for item in self.plan.ablations}
+            whole = [self.flown[agent.name].shipped for agent in self.plan.agents if agent.suite in suites]
+            rows = [*(flight.row for flight in whole if flight), *self.ablations]
+            text += ["## Ablations", "Below the agent itself.", opponents.scores(rows)]
         return "\n\n".join([*text, "## Comparisons", self.comparisons(), opponents.made("bars", "")])
 
     def summary(self) -> str:

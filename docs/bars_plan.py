@@ -176,6 +176,8 @@ def _check(agent: Agent, where: str) -> None:
         raise ParamsError(f"{where}: split {agent.split!r} is unknown{suggestion(agent.split, SPLITS)}")
     if not agent.seeds:
         raise ParamsError(f"{where}: seeds must name at least one policy folder")
+    if agent.policy and not agent.encounters:
+        raise ParamsError(f"{where} lacks the field 'encounters', those of policy {agent.policy!r}")
     if agent.worlds and not agent.policy:
         raise ParamsError(f"{where}: worlds need policy, the one that flies in them")
     for world in agent.worlds:
@@ -221,6 +223,8 @@ def _made(kind: type, table: dict[str, Any], where: str) -> Any:
         if name not in known:
             raise ParamsError(f"{where} has no field {name!r}{suggestion(name, known)}")
         values[name] = _typed(value, known[name].type, f"{where}: {name}")
+        if name.endswith("encounters") and values[name] < 1:
+            raise ParamsError(f"{where}: {name} must be at least 1, got {values[name]!r}")
     for name, item in known.items():
         if name not in values and item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING:
             raise ParamsError(f"{where} lacks the field {name!r}")

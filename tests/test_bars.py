@@ -2,15 +2,17 @@
 
 import json
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from safetensors.numpy import save_file
 from scipy import stats
 
 from rss_gym import baselines
+from rss_gym.baselines.agent import Network
 from rss_gym.eval.curve import Points
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.suites import find
@@ -135,6 +137,8 @@ def test_a_grid_is_every_combination():
         ("seed_encounters", "seed_encounter", "[agents.one] has no field 'seed_encounter'; did you mean 'seed_enc"),
         ("encounters = 16", 'encounters = "16"', "encounters must be a whole number >= 0, got '16'"),
         ("encounters = 16", "encounters = -1", "encounters must be a whole number >= 0, got -1"),
+        ("encounters = 16", "encounters = 0", "[agents.one]: encounters must be at least 1, got 0"),
+        ("encounters = 16\n", "", "lacks the field 'encounters', those of policy 'brake'"),
         ('["right-turn", "brake"]', "[]", "seeds must name at least one policy folder"),
         ('policy = "brake"', "", "worlds need policy"),
         ('"encounter-v0"\npolicy', '"encounter"\npolicy', "suite 'encounter' is unknown"),
@@ -301,6 +305,26 @@ def test_a_draft_flies_judges_and_goes_on(plan_file, here, monkeypatch, capsys):
     assert "4 jobs, 4 of them flown before" in capsys.readouterr().out
 
 
+def test_a_flight_writes_the_pages_and_tells_for_which_plan(plan_file, here, monkeypatch):
+    pytest.importorskip("matplotlib")
+    docs = here.parent / "docs"
+    docs.mkdir()
+    for file, name in ((docs / "agents.md", "tables"), (here.parent / "README.md", "agents")):
+        file.write_text(f"above\n<!-- {name} -->\nto be replaced\n<!-- /{name} -->\nbelow\n")
+    sealed = bars.seal([])  # of no learned policy
+    plan_file.write_text(SMALL.replace('sealed = ""', f'sealed = "{sealed}"'))
+    for name, value in (("PLAN", plan_file), ("DOCS", docs), ("ROOT", here.parent)):
+        monkeypatch.setattr(bars, name, value)
+    for commit in ("first", "second"):
+        monkeypatch.setattr(bars, "committed", lambda git, commit=commit: commit)
+        bars.run(plan_file, draft=0)
+        page, readme = (docs / "agents.md").read_text(), (here.parent / "README.md").read_text()
+        assert f"of commit `{commit}`" in page and "to be replaced" not in page + readme and "above" in page
+        assert ("other plans: first" in page) == (commit == "second")
+    assert "| `one` | 16 |" in readme and "of 6 bars met" in readme
+    assert (docs / "agents.svg").exists()
+
+
 def test_the_policy_handed_on_is_one_of_the_seeds(plan_file):
     (agent,) = bars_plan.load(plan_file).agents
     assert bars.part(agent, 100).shipped == "one, seed 1"
@@ -320,6 +344,25 @@ def test_a_record_is_named_by_what_defines_it(plan_file):
     ]
     assert len({item.folder for item in (job, *others)}) == 6
     assert replace(job).folder == job.folder
+
+
+def test_the_seal_is_that_of_the_numbers_wherever_they_lie(tmp_path):
+    world = find("encounter-v0").params
+    network = Network((2,))
+
+    def learned(name, weight):
+        folder = tmp_path / name
+        folder.mkdir()
+        tensors = {key: np.full(shape, weight, np.float32) for key, shape in network.shapes(world).items()}
+        save_file(tensors, folder / "policy.safetensors")
+        content = {"format": 1, "network": asdict(network), "interface": world.interface.to_dict(), "training": {}}
+        (folder / "policy.json").write_text(json.dumps(content | {"observation": network.inputs(world)}))
+        return bars.Job(name, find("encounter-v0"), 0, 4, {"learned": str(folder)})
+
+    first, same, other = learned("first", 0.1), learned("same", 0.1), learned("other", 0.2)
+    assert bars.seal([first]) == bars.seal([same]) == bars.seal([first, same]) != bars.seal([other])
+    assert replace(first, name="x").folder == replace(same, name="x").folder != replace(other, name="x").folder
+    assert first.cost == 4 * (1.0 + bars.LEARNED_COST)
 
 
 def test_another_plan_or_other_agents_are_refused(plan_file, monkeypatch):
