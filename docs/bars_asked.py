@@ -54,9 +54,11 @@ class Flight:
     def of(cls, record: Record, name: str) -> Self:
         """A policy of a record."""
         policy, none = record[name], record["none"]
-        points = Points(policy.table["collision"], deviations_m(policy.table))
+        # Copies: a column of a table keeps all of it in memory.
+        collision, snmac = policy.table["collision"].copy(), policy.table["snmac"].copy()
         row = opponents.Row(name, record.episodes, policy.metrics)
-        return cls(row, points, policy.table["snmac"], none.table["collision"], policy.hash)
+        points = Points(collision, deviations_m(policy.table))
+        return cls(row, points, snmac, none.table["collision"].copy(), policy.hash)
 
     @property
     def name(self) -> str:

@@ -14,7 +14,7 @@ from rss_gym.eval.intervals import Interval, holm
 
 TABLES = ("<!-- tables -->", "<!-- /tables -->")
 VERDICTS = {False: ("missed", "met"), True: ("not reached", "reached")}  # by whether it is an aim
-PLACES_MAX = 3  # of an agent's findings, those named in the table of the bars
+NAMED_MAX = 3  # findings of a bar that do not hold, named in the table of the bars
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Judged:
         if not found:
             return "every setting deviates less: nothing to compare at equal or smaller deviation"
         failed = [shown(item, p) for item, p, holds in zip(found, self.adjusted, self.holds, strict=True) if not holds]
-        more = f"; and {len(failed) - PLACES_MAX} more" if len(failed) > PLACES_MAX else ""
-        failures = f"; not: {'; '.join(failed[:PLACES_MAX])}{more}" if failed else ""
+        more = f"; and {len(failed) - NAMED_MAX} more" if len(failed) > NAMED_MAX else ""
+        failures = f"; not: {'; '.join(failed[:NAMED_MAX])}{more}" if failed else ""
         return f"{sum(self.holds)} of {len(found)} comparisons hold{failures}"
 
 
@@ -178,7 +178,7 @@ class Report:
             suites = {item.suite for item in self.plan.ablations}
             whole = [self.flown[agent.name].shipped for agent in self.plan.agents if agent.suite in suites]
             rows = [*(flight.row for flight in whole if flight), *self.ablations]
-            text += ["## Ablations", "Below the agent itself.", opponents.scores(rows)]
+            text += ["## Ablations", "The first row is the agent with everything.", opponents.scores(rows)]
         return "\n\n".join([*text, "## Comparisons", self.comparisons(), opponents.made("bars", "")])
 
     def summary(self) -> str:

@@ -133,7 +133,7 @@ def _plan(table: dict[str, Any]) -> Plan:
     agents = tuple(_agent(name, dict(value)) for name, value in _tables("agents", table.pop("agents", {})))
     if not agents:
         raise ParamsError("there is no table [agents.NAME]")
-    ablations = tuple(_made(Ablation, value, "[[ablations]]") for value in table.pop("ablations", []))
+    ablations = tuple(_made(Ablation, value, "[[ablations]]") for value in _listed(table, "ablations", "the head"))
     plan = _made(Plan, table | {"agents": agents, "ablations": ablations}, "the head")
     if not 0.0 < plan.alpha < 1.0:
         raise ParamsError(f"alpha must lie between 0 and 1, got {plan.alpha!r}")
@@ -144,9 +144,9 @@ def _plan(table: dict[str, Any]) -> Plan:
 
 def _agent(name: str, table: dict[str, Any]) -> Agent:
     where = f"[agents.{name}]"
-    opponents = tuple(_grid(value, where) for value in table.pop("opponents", []))
-    worlds = tuple(_made(World, value, f"{where}, worlds") for value in table.pop("worlds", []))
-    bars = tuple(_bar(dict(value), where) for value in table.pop("bars", []))
+    opponents = tuple(_grid(value, where) for value in _listed(table, "opponents", where))
+    worlds = tuple(_made(World, value, f"{where}, worlds") for value in _listed(table, "worlds", where))
+    bars = tuple(_bar(value, where) for value in _listed(table, "bars", where))
     parts = {"name": name, "opponents": opponents, "worlds": worlds, "bars": bars}
     agent = _made(Agent, table | parts, where)
     _check(agent, where)
@@ -213,6 +213,14 @@ def _tables(name: str, value: Any) -> Any:
     if not isinstance(value, dict) or not all(isinstance(item, dict) for item in value.values()):
         raise ParamsError(f"{name} must be tables [{name}.NAME], got {value!r}"[:300])
     return value.items()
+
+
+def _listed(table: dict[str, Any], name: str, where: str) -> list[dict[str, Any]]:
+    """Take a list of tables out of a table."""
+    value = table.pop(name, [])
+    if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+        raise ParamsError(f"{where}: {name} must be a list of tables, got {value!r}"[:300])
+    return value
 
 
 def _made(kind: type, table: dict[str, Any], where: str) -> Any:

@@ -155,6 +155,7 @@ def test_a_grid_is_every_combination():
         (', most = 1e-4', "", "lacks the field 'most'"),
         ('families = "late-turn"', 'family = "late-turn"', "no parameter 'family'; did you mean 'families'"),
         ('estimator = "ls"', 'estimator = "lsq"', "estimator = 'lsq' is unknown"),
+        ("worlds = [{", "worlds = [5, {", "[agents.one]: worlds must be a list of tables, got [5, "),
         ("alpha = 0.05", "alpha = ", "cannot be read"),
     ],
 )  # fmt: skip
