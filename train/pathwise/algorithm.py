@@ -102,6 +102,9 @@ class Pathwise(PPO):
             self.policy.optimizer.zero_grad()
             cost.backward()
             norm = torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.max_grad_norm)
+            if not torch.isfinite(norm):
+                torch.save({"f": chosen, "p": self.policy.state_dict(), "c": (cost, separation, deviation)}, f"/tmp/x/nan-{self.num_timesteps}.pt")
+                continue
             self.policy.optimizer.step()
             self._n_updates += 1
         for name, value in {"cost_m": cost, "deviation_m": deviation.mean(), "gradient": norm}.items():

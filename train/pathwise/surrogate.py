@@ -18,6 +18,7 @@ from rss_gym.baselines.features.masks import kept as kept_columns
 from rss_gym.params import Params
 from rss_gym.train.pathwise.flights import Flights
 
+FAR_M = 1e6  # no separation yet; that of infinity has no gradient
 SMALL = 1e-6  # under a root, whose slope at zero is not finite
 
 
@@ -69,7 +70,7 @@ class Surrogate:
         """
         clock, craft = self.world.clock, self.world.aircraft
         position, velocity, way_point = flights.position[0], flights.velocity[0], flights.way_point[0]
-        nearest, deviation = torch.full((len(flights),), torch.inf), torch.zeros(len(flights))
+        nearest, deviation = torch.full((len(flights),), FAR_M), torch.zeros(len(flights))
         hook = partial(_tame, decay=decay, largest=largest)
         for t in range(len(flights.kept) - 1):
             if t and torch.is_grad_enabled():
@@ -89,7 +90,7 @@ class Surrogate:
                 position = position + (velocity + flights.gust[t]) * clock.tick_s
                 if tick % 2:
                     away = flights.intruder[t] + drift * (tick / clock.ticks_per_decision) - position
-                    nearest = torch.minimum(nearest, torch.where(kept, _size(away), torch.inf))
+                    nearest = torch.minimum(nearest, torch.where(kept, _size(away), FAR_M))
             deviation = deviation + kept * _size(position - flights.planned[t + 1])
         return nearest, deviation / flights.decisions
 
@@ -171,6 +172,9 @@ def _size(vector: torch.Tensor) -> torch.Tensor:
 
 
 def _tame(gradient: torch.Tensor, decay: float, largest: float) -> torch.Tensor:
-    """Decay, and the cut of each encounter's norm: a few that turn on a hair's breadth would drown all others."""
-    gradient = gradient * decay
+    """Decay, and the cut of each encounter's norm: a few that turn on a hair's breadth would drown all others.
+
+    A vector of no length has no direction, and the features' gradient there is not finite: it counts as none.
+    """
+    gradient = torch.nan_to_num(gradient * decay, nan=0.0, posinf=0.0, neginf=0.0)
     return gradient * (largest / (gradient.square().sum(dim=1, keepdim=True) + 1e-30).sqrt()).clip(max=1.0)
