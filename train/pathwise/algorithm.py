@@ -59,6 +59,7 @@ class Pathwise(PPO):
         self.window, self.gradient_decay = window, gradient_decay
         super().__init__(policy, env, n_steps=2, **others)
         self.flights: Flights | None = None
+        self.skipped = 0  # batches whose gradient was not finite
 
     def fly_in(self, world: Params, inputs: export.Inputs) -> None:
         """Tell what world the rows are of, and what of their observations the network is given.
@@ -102,13 +103,14 @@ class Pathwise(PPO):
             self.policy.optimizer.zero_grad()
             cost.backward()
             norm = torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.max_grad_norm)
-            if not torch.isfinite(norm):
-                torch.save({"f": chosen, "p": self.policy.state_dict(), "c": (cost, separation, deviation)}, f"/tmp/x/nan-{self.num_timesteps}.pt")
+            if not torch.isfinite(norm):  # a vector of no length has no direction
+                self.skipped += 1
                 continue
             self.policy.optimizer.step()
             self._n_updates += 1
         for name, value in {"cost_m": cost, "deviation_m": deviation.mean(), "gradient": norm}.items():
             self.logger.record(f"train/{name}", float(value.detach()))
+        self.logger.record("train/skipped", self.skipped)
         self.logger.record("train/near_misses", float((separation < self.miss_m).float().mean()))
 
     def _batches(self) -> Iterator[Flights]:
