@@ -211,7 +211,7 @@ def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER) -> Path:
     """
     figure.require_figures()
     if not NAME.fullmatch(name):
-        raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as ppo-plane")
+        raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as pathwise-plane")
     recipe, document = runs.read(run)
     seeds = seeds_of(run, recipe, document["seeds"])
     digest = load(run / runs.AGENT, recipe.params).digest

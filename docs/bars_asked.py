@@ -192,16 +192,19 @@ class FewerEvents(Bar):
     """Fewer events than each setting of the groups; with `equal_deviation` only settings that do not deviate less.
 
     A setting that is shown to deviate less is no comparison at equal or smaller deviation; it is named in a remark.
+    With `best` only the groups' best setting counts, as in `DeviationOfBest`.
     """
 
     events: tuple[str, ...] = ("collision",)
     equal_deviation: bool = False
+    best: bool = False
 
     def findings(self, flown: Flown) -> Findings:
         """A comparison a setting and event."""
         found, less = [], []
+        settings = flown.settings(self.against)
         for agent in self.judged(flown):
-            for other in flown.settings(self.against):
+            for other in [best_of(settings)] if self.best else settings:
                 if self.equal_deviation and deviates_less(other, agent):
                     less.append(f"`{other.name}`")
                 else:

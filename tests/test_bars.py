@@ -192,6 +192,16 @@ def test_settings_that_deviate_less_are_named_and_not_compared():
     assert judged.verdict == "missed" and "nothing to compare" in judged.outcome
 
 
+def test_with_best_only_the_best_setting_counts():
+    bar = bars_asked.FewerEvents(
+        asked="", against=("rule",), events=("collision", "snmac"), equal_deviation=True, best=True
+    )
+    settings = [flight("safe", range(10), 12.0), flight("risky", range(100), 12.0)]
+    findings = bar.findings(flown(flight("a", [], 4.0), *settings))
+    assert [item.what.split("`")[1] for item in findings.found] == ["safe", "safe"]
+    assert bar.findings(flown(flight("a", [], 20.0), *settings)).found == []
+
+
 def test_the_deviation_is_compared_with_that_of_the_rule_at_its_best():
     bar = bars_asked.DeviationOfBest(asked="", against=("rule",), share=0.5)
     settings = [flight("safe", range(10), 10.0), flight("risky", range(100), 2.0)]

@@ -21,7 +21,7 @@ from rss_gym.params import ParamsError
 from rss_gym.train import export
 from rss_gym.train.course import Course
 from rss_gym.train.features import Features
-from rss_gym.train.hyperparameters import ALGORITHMS, Hyperparameters, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.hyperparameters import ALGORITHMS, Pathwise, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
 from rss_gym.train.recipe import Recipe
 
 MODEL, STATE = "model.zip", "state.json"
@@ -74,7 +74,7 @@ class Learner:
                 norm_reward=vec.normalise_reward,
                 clip_obs=vec.clip_observation,
                 clip_reward=vec.clip_reward,
-                gamma=recipe.hyperparameters.gamma,
+                gamma=getattr(recipe.hyperparameters, "gamma", 0.99),  # `pathwise` follows no reward
             )
         model = getattr(importlib.import_module(kind.module), kind.name)(
             kind.policy_name,
@@ -192,7 +192,7 @@ class Learner:
             model._last_original_obs = self.venv.get_original_obs()
 
 
-def _arguments(table: Hyperparameters) -> dict[str, Any]:
+def _arguments(table: Ppo | Pathwise | Sac) -> dict[str, Any]:
     """As SB3 takes them."""
     found: dict[str, Any] = {}
     for item in dataclasses.fields(table):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.baselines.cbf import Cbf
-from rss_gym.baselines.features.approach import AXES, AWAY_M, known_only, located
+from rss_gym.baselines.features.approach import AWAY_M, AXES, known_only, located
 from rss_gym.baselines.features.feature_set import FeatureSet
 from rss_gym.baselines.range_only import ALONG, ALONG_ALONG, PROBABILITY, RIGHT, RIGHT_RIGHT, RangeOnly
 

@@ -6,8 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rss_gym import observation
+from rss_gym.baselines.cbf import Cbf
 from rss_gym.baselines.features import FEATURES, LIMIT, append, names
 from rss_gym.baselines.features.approach import NEAR_M, TIME_MAX_S, Approach
+from rss_gym.baselines.features.masks import MASKS, kept
+from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.core import Batch
 from rss_gym.params import Params
 
@@ -178,3 +181,37 @@ def test_the_approach_from_ranges_alone(range_m, along, right, share):
     assert found["intruder_0.distance"] == pytest.approx(min(miss / 30.0, LIMIT), abs=1e-3)
     time = np.clip(range_m * cosine / max(size, 0.1), 0.0, TIME_MAX_S)
     assert found["intruder_0.time"] == pytest.approx(time / 20.0, abs=1e-5)
+
+
+def test_sides_are_the_approaches_of_the_filter():
+    """The more probable side is where a rule on track `range` believes the other to be; memory makes them so."""
+    world = Params.of(track="range")
+    rows, batch = 4, Batch(world, 4)
+    batch.seed(np.arange(rows, dtype=np.uint64))
+    batch.reset(np.ones(rows, bool))
+    features = FEATURES["sides"](world)
+    bank = RangeOnly(world=world, rule=Cbf(world=world))
+    memory, other = np.zeros((rows, features.columns)), np.zeros((rows, bank.columns))
+    told = names("sides", world)
+    for _ in range(70):
+        found = append(features, batch.observations, memory)[:, batch.observations.shape[1] :]
+        sides = bank.sides(observation.split(batch.observations, world), other)
+        for index, name in enumerate(("left", "right")):
+            at = {key: told.index(f"intruder_0.{name}.{key}") for key in ("probability", "position_right")}
+            np.testing.assert_allclose(found[:, at["probability"]], sides[:, 0, index, 0], rtol=1e-6)
+            expected = np.clip(sides[:, 0, index, 2] / 60.0, -LIMIT, LIMIT)
+            np.testing.assert_allclose(found[:, at["position_right"]], expected, rtol=1e-6)
+        batch.step(np.zeros((rows, 3)), np.zeros(rows, bool))
+    assert found[:, told.index("intruder_0.left.probability")].all()
+
+
+@pytest.mark.parametrize("zeroed", sorted(MASKS))
+def test_masks_take_away_what_they_name(world, zeroed):
+    fields = [field.name for field in observation.fields(world)]
+    left = {name for name, stays in zip(fields, kept(zeroed, world), strict=True) if stays}
+    gone = set(fields) - left
+    assert gone == {name for name in fields if MASKS[zeroed](name)}
+    assert {"cruise_mps", "time_s"} <= left
+    assert bool(gone) == (zeroed != "nothing")
+    assert ("intruder_0.message_valid" in gone) == (zeroed == "radio")
+    np.testing.assert_array_equal(kept(zeroed, world, 3), np.tile(kept(zeroed, world), 3))

@@ -107,9 +107,9 @@ def record(batch: Batch, agent: Agent, window: int) -> tuple[Flights, int]:
     taken["kept"] *= torch.as_tensor(within, dtype=torch.float32)
     length = batch.episode["ticks"][chosen] / world.clock.ticks_per_decision
     own = {field.name for field in fields(Flights)}
-    seen = {name: value for name, value in taken.items() if name not in own}
-    rest = {name: value for name, value in taken.items() if name in own}
-    return Flights(seen=seen, decisions=torch.as_tensor(length, dtype=torch.float32), **rest), flown
+    told = {name: value for name, value in taken.items() if name not in own}
+    true: dict[str, Any] = {name: value for name, value in taken.items() if name in own}
+    return Flights(seen=told, decisions=torch.as_tensor(length, dtype=torch.float32), **true), flown
 
 
 def _state(batch: Batch, done: np.ndarray) -> dict[str, np.ndarray]:
