@@ -66,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME",
         help="such as none orthogonal:radius_m=60; all for every scripted one",
     )
-    command.add_argument("--suite", default="encounter-v0")
+    command.add_argument("--suite", default="encounter-v0", help="see rss-gym list; highway-v0 and others are roads")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")
     command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
@@ -162,7 +162,6 @@ def _list(options: argparse.Namespace) -> None:
 
 def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import records, report, text
-    from rss_gym.eval.evaluate import check
     from rss_gym.files import check_new, new_folder
     from rss_gym.params import ParamsError
 
@@ -178,7 +177,7 @@ def _eval(options: argparse.Namespace) -> None:
         results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
     else:
         for track in tracks:  # before hours are flown on the first
-            check(options.policy, options.suite, options.reference, **changes, track=track)
+            _scorer(options).check(options.policy, options.suite, options.reference, **changes, track=track)
         with new_folder(out) as folder:
             results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
     if options.json:
@@ -186,17 +185,16 @@ def _eval(options: argparse.Namespace) -> None:
         several = {track: json.loads(content) for track, content in scores.items()}
         print(json.dumps(several, indent=1) if len(tracks) > 1 else scores[""].rstrip())
         return
+    columns = _scorer(options).COLUMNS if _is_road(options) else text.COLUMNS
     for track, result in results.items():
-        print(text.table(result))
+        print(text.table(result, columns))
         print(f"scores: {os.path.join(options.out, track, records.SCORES)}")
         print(f"report: {os.path.join(options.out, track, report.REPORT)}")
 
 
 def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
-    """Fly and save one record."""
-    from rss_gym.eval import evaluate, records, report
-
-    result = evaluate(
+    """Fly, or drive, and save one record."""
+    result = _scorer(options).evaluate(
         options.policy,
         suite=options.suite,
         episodes=options.episodes,
@@ -205,8 +203,26 @@ def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: 
         reference=options.reference,
         **changes,
     )
-    records.save(result, out, options.csv, report.write)
+    if _is_road(options):
+        _scorer(options).save(result, out, options.csv)
+    else:
+        from rss_gym.eval import records, report
+
+        records.save(result, out, options.csv, report.write)
     return result
+
+
+def _is_road(options: argparse.Namespace) -> bool:
+    from rss_gym.eval import road
+
+    return options.suite in road.SUITES
+
+
+def _scorer(options: argparse.Namespace) -> Any:
+    """The module with `check` and `evaluate` for the suite."""
+    import importlib
+
+    return importlib.import_module("rss_gym.eval.road" if _is_road(options) else "rss_gym.eval.evaluate")
 
 
 def _verify(options: argparse.Namespace) -> int:
