@@ -248,7 +248,7 @@ def _leaderboard(options: argparse.Namespace) -> None:
 
 def _train(options: argparse.Namespace) -> int:
     from rss_gym.params import ParamsError
-    from rss_gym.train import recipe, run
+    from rss_gym.train import recipe, road, run
 
     changes = recipe.parse_changes(options.set or [])
     short = {"recipe.env": options.env, "recipe.steps": options.steps}
@@ -260,14 +260,19 @@ def _train(options: argparse.Namespace) -> int:
                 shipped = ", ".join(recipe.recipes())
                 raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
             seeds = 1 if options.seeds is None else options.seeds
-            run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            if road.is_road(options.recipe):
+                road.start(road.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            else:
+                run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
         else:
             if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
                 raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")
             run.resume(options.resume, options.workers)
     except KeyboardInterrupt:
-        folder = options.resume or options.out
-        print(f"rss-gym: interrupted; go on with rss-gym train --resume {folder}", file=sys.stderr)
+        how = f"go on with rss-gym train --resume {options.resume or options.out}"
+        if options.resume is None and road.is_road(options.recipe):
+            how = "a training on a road is short and begins anew"
+        print(f"rss-gym: interrupted; {how}", file=sys.stderr)
         return 130
     return 0
 

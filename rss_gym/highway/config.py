@@ -9,11 +9,11 @@ from typing import Any
 
 from rss_gym.params import ParamsError, suggestion
 
-TYPED = {"action": "highway_env.envs.common.action", "observation": "highway_env.envs.common.observation"}
+ACTIONS = "highway_env.envs.common.action"
 
 
-def check(given: Any, known: Mapping[str, Any], where: str = "config") -> None:
-    """Refuse keys that highway-env would not read, in tables of tables too.
+def check(given: Any, known: Mapping[str, Any]) -> None:
+    """Refuse keys that highway-env would not read.
 
     Parameters
     ----------
@@ -21,8 +21,6 @@ def check(given: Any, known: Mapping[str, Any], where: str = "config") -> None:
         What is to be changed.
     known : dict
         The environment's configuration.
-    where : str
-        For the sentence.
 
     Raises
     ------
@@ -30,30 +28,31 @@ def check(given: Any, known: Mapping[str, Any], where: str = "config") -> None:
         Naming the key and the nearest known one.
     """
     if not isinstance(given, Mapping):
-        raise ParamsError(f"{where} must be a dict, got {given!r}")
+        raise ParamsError(f"config must be a dict, got {given!r}")
     for key, value in given.items():
         if key not in known:
-            raise ParamsError(f"{where} has no key {key!r}{suggestion(str(key), known)}")
-        if isinstance(known[key], Mapping):
-            _check_typed(value, known[key], f"{where}[{key!r}]", TYPED.get(key))
+            raise ParamsError(f"config has no key {key!r}{suggestion(str(key), known)}")
+        if key == "observation":
+            raise ParamsError("config['observation'] has no effect here: the observation is that of the radio")
+        if key == "action":
+            _check_action(value)
 
 
-def _check_typed(given: Any, known: Mapping[str, Any], where: str, module: str | None) -> None:
-    """A table whose keys are the arguments of the class that its `type` names."""
-    if not isinstance(given, Mapping):
-        raise ParamsError(f"{where} must be a dict, got {given!r}")
-    if module is None:
-        return check(given, known, where)
-    kinds = importlib.import_module(module)
-    kind = given.get("type", known.get("type"))
-    found = getattr(kinds, kind, None) if isinstance(kind, str) else None
-    if not inspect.isclass(found):
-        classes = [name for name, item in inspect.getmembers(kinds, inspect.isclass) if item.__module__ == module]
-        raise ParamsError(f"{where} has type {kind!r}, which highway-env does not know{suggestion(str(kind), classes)}")
-    arguments = {"type", *(name for base in found.__mro__ for name in _arguments(base))} - {"self", "env", "kwargs"}
+def _check_action(given: Any) -> None:
+    """A table whose `type` names a class; the other keys must be arguments of its constructors."""
+    if not isinstance(given, Mapping) or "type" not in given:
+        raise ParamsError(f"config['action'] must be a dict with 'type', got {given!r}")
+    module = importlib.import_module(ACTIONS)
+    kinds = {name: kind for name, kind in vars(module).items() if inspect.isclass(kind) and name.endswith("Action")}
+    kind = kinds.get(given["type"])
+    if kind is None:
+        raise ParamsError(
+            f"config['action'] has an unknown type {given['type']!r}{suggestion(str(given['type']), kinds)}"
+        )
+    arguments = {"type", *(name for base in kind.__mro__ for name in _arguments(base))} - {"self", "env", "kwargs"}
     for key in given:
         if key not in arguments:
-            raise ParamsError(f"{where} has no key {key!r}{suggestion(str(key), arguments)}")
+            raise ParamsError(f"config['action'] has no key {key!r}{suggestion(str(key), arguments)}")
 
 
 def _arguments(kind: type) -> list[str]:

@@ -153,8 +153,6 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         kind = scene_class(self.scene)
         changes = {} if config is None else config
         check(changes, kind.default_config())
-        if "observation" in changes:
-            raise ParamsError("config['observation'] has no effect here: the observation is that of the radio")
         try:
             self.reward = RoadReward().replace(**(reward or {}))
         except ParamsError as error:

@@ -45,7 +45,7 @@ STREAM_ROAD, STREAMS = 10_000, 16
 TICK_COLOURED, TICK_WHITE, TICK_LOSS, SLOW, START = 0, 1, 2, 3, 8  # SLOW: wander, GNSS x, y, velocity x, y
 
 
-@inner(forceinline=True)
+@kernel(inline="always")
 def stream(number):
     """First stream of a vehicle."""
     return STREAM_ROAD + STREAMS * (number + 1)

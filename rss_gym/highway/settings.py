@@ -55,12 +55,11 @@ def settings(
                 raise ParamsError(f"navigation has no parameter {name!r} on a road{suggestion(str(name), NAVIGATED)}")
     return Params.of(
         {
+            "clock": {"tick_s": tick_s, "decision_s": decision_s},
             "zone": (zone if isinstance(zone, Zone) else _changed("zone", ZONE, zone)).to_dict(),
             "ranging": _changed("ranging", RANGING, ranging).to_dict(),
             "navigation": _changed("navigation", NAVIGATION, navigation).to_dict(),
         },
-        tick_s=tick_s,
-        decision_s=decision_s,
         intruders=vehicles,
         channel=channel,
         estimator=estimator,
