@@ -25,7 +25,7 @@ def listing() -> dict[str, dict[str, str]]:
             name: item["summary"] + "".join(f" [{key}={value:g}]" for key, value in item["options"].items())
             for name, item in describe().items()
         },
-        "policies on roads": road.describe(),
+        "drivers": road.describe(),
         "channels": {name: _first_line(path) for name, path in presets().items()},
         "families": {MIXED: "all of these, by their weights"}
         | {name: f"{family.summary} [weight {family.weight:g}]" for name, family in FAMILIES.items()},

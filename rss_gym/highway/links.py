@@ -25,11 +25,7 @@ ABSENT, FAR, NEW, HELD = range(4)  # not on the road, out of radio range, first 
 
 VEHICLE = np.dtype(
     [
-        ("here", b1),  # on the road; the shell sets it, and the next four, before each tick
-        ("x_m", f8),
-        ("y_m", f8),
-        ("heading_rad", f8),
-        ("speed_mps", f8),
+        ("here", b1),  # on the road
         ("born", b1),  # its processes have begun
         ("heard", b1),  # in radio range, with a filter
         ("state", i8),  # of ABSENT ... HELD
@@ -100,10 +96,10 @@ def drift(config_, channel_, key, decision, vehicles, links):
 
 @kernel
 def listen(
-    config_, channel_, key, radio_range_m, range_error_m, along, offset_m, e_, vehicles, links, contacts, block_,
+    config_, channel_, key, radio_range_m, range_error_m, states, roads, first, e_, vehicles, links, contacts, block_,
     agent_lanes_, craft_lanes_, contact_lanes_, link_lanes_,
 ):  # fmt: skip
-    """One tick: every vehicle on the road is ranged if in radio range, warnings open or close, messages arrive.
+    """Some ticks: every vehicle on the road is ranged if in radio range, warnings open or close, messages arrive.
 
     Parameters
     ----------
@@ -114,10 +110,13 @@ def listen(
         Beyond it a vehicle is not heard, and its filter ends.
     range_error_m : float
         delta of (40).
-    along : (2,) array
-        Direction of the agent's lane.
-    offset_m : float
-        Of the agent to the right of its lane's centre.
+    states : (m, 5) array
+        Row in `vehicles`, x (m), y (m), heading (rad) and speed (m/s) of all that is on the road, tick after tick.
+    roads : (t, 4) array
+        Of each tick: end of its rows in `states`, direction of the agent's lane (cosine, sine), and how far (m) the
+        agent is to the right of its centre.
+    first : int
+        Number of the first of these ticks.
     e_ : (1,) EPISODE
         Its events, on true states, are written.
     vehicles : (1 + n,) VEHICLE
@@ -128,54 +127,75 @@ def listen(
     """
     config, channel, e, block = config_[0], channel_[0], e_[0], block_[0]
     agent, craft, told, link = agent_lanes_[0], craft_lanes_[0], contact_lanes_[0], link_lanes_[0]
-    now_s = e.tick * config.tick_s
-    for i in range(len(vehicles)):
-        place(vehicles[i])
-    if not vehicles[0].born:
+    begin_agent(config, key, vehicles[0])
+    row = 0
+    for t in range(len(roads)):
+        e.tick = first + t
+        for i in range(len(vehicles)):
+            vehicles[i].here = False
+        while row < roads[t, 0]:
+            place(vehicles[int(states[row, 0])], states[row])
+            row += 1
+        for i in range(len(links)):
+            classify(config, channel, key, radio_range_m, i, vehicles[0], vehicles[i + 1], links[i], contacts[i])
+        for state in range(FAR, HELD + 1):
+            i = 0
+            while i < len(links):
+                i = gather(
+                    config, channel, key, e, state, i, vehicles, links, contacts, block, agent, craft, told, link
+                )
+                face_intruder(config, block, agent, craft, told, link)
+                transmit(block, link)
+                for r in range(block.rows):
+                    lose(channel, key, e.tick, block.row[r], link, r)
+                if state == NEW:
+                    start_filter(config, block, link, False)
+                elif state == HELD:
+                    estimate(config, block, link)
+                for r in range(block.rows):
+                    n = block.row[r]
+                    store_link(links[n], link, r)
+                    if state != FAR:
+                        alert(config, channel, e, vehicles[n + 1], contacts[n], link, r)
+                    witness(config, e, range_error_m, roads[t], vehicles[0], vehicles[n + 1])
+
+
+@inner
+def begin_agent(config, key, agent):
+    """Stationary errors of the agent's own solution."""
+    if not agent.born:
+        at = stream(-1) + START
         for axis in range(2):
-            vehicles[0].gnss_error[axis] = normal(key, stream(-1) + START, 2 + axis)
-            vehicles[0].velocity_error_mps[axis] = config.velocity_error_mps * normal(key, stream(-1) + START, 4 + axis)
-        vehicles[0].born = True
-    for i in range(len(links)):
-        classify(config, channel, key, radio_range_m, i, vehicles[0], vehicles[i + 1], links[i], contacts[i])
-    for state in range(FAR, HELD + 1):
-        i = 0
-        while i < len(links):
-            block.rows = 0
-            while i < len(links) and block.rows < ROWS:
-                if vehicles[i + 1].state == state:
-                    r = block.rows
-                    block.row[r], block.rows = i, r + 1
-                    load_channel(block, r, channel)
-                    load_vehicle(config, agent, vehicles[0], r)
-                    load_vehicle(config, craft, vehicles[i + 1], r)
-                    load_message(told, r, contacts[i], config.track != RANGE)
-                    load_link(link, r, links[i], now_s)
-                    link.coloured_normal[r] = normal(key, stream(i) + TICK_COLOURED, e.tick)
-                    link.white_normal[r] = normal(key, stream(i) + TICK_WHITE, e.tick)
-                i += 1
-            face_intruder(config, block, agent, craft, told, link)
-            transmit(block, link)
-            for r in range(block.rows):
-                lose(channel, key, e.tick, block.row[r], link, r)
-            if state == NEW:
-                start_filter(config, block, link, False)
-            elif state == HELD:
-                estimate(config, block, link)
-            for r in range(block.rows):
-                n = block.row[r]
-                store_link(links[n], link, r)
-                if state != FAR:
-                    alert(config, channel, e, vehicles[n + 1], contacts[n], link, r)
-                witness(config, e, range_error_m, along, offset_m, vehicles[0], vehicles[n + 1])
+            agent.gnss_error[axis] = normal(key, at, 2 + axis)
+            agent.velocity_error_mps[axis] = config.velocity_error_mps * normal(key, at, 4 + axis)
+        agent.born = True
+
+
+@inner
+def gather(config, channel, key, e, state, i, vehicles, links, contacts, block, agent, craft, told, link):
+    """Load the next vehicles in this state, from link `i` on, into the block. Returns where to go on."""
+    block.rows = 0
+    while i < len(links) and block.rows < ROWS:
+        if vehicles[i + 1].state == state:
+            r = block.rows
+            block.row[r], block.rows = i, r + 1
+            load_channel(block, r, channel)
+            load_vehicle(config, agent, vehicles[0], r)
+            load_vehicle(config, craft, vehicles[i + 1], r)
+            load_message(told, r, contacts[i], config.track != RANGE)
+            load_link(link, r, links[i], e.tick * config.tick_s)
+            link.coloured_normal[r] = normal(key, stream(i) + TICK_COLOURED, e.tick)
+            link.white_normal[r] = normal(key, stream(i) + TICK_WHITE, e.tick)
+        i += 1
+    return i
 
 
 @inner(forceinline=True)
-def place(vehicle):
-    """Position and velocity as vectors."""
-    vehicle.position_m[0], vehicle.position_m[1] = vehicle.x_m, vehicle.y_m
-    vehicle.velocity_mps[0] = vehicle.speed_mps * cos(vehicle.heading_rad)
-    vehicle.velocity_mps[1] = vehicle.speed_mps * sin(vehicle.heading_rad)
+def place(vehicle, state):
+    """Put a vehicle on the road, with position and velocity as vectors."""
+    vehicle.here = True
+    vehicle.position_m[0], vehicle.position_m[1] = state[1], state[2]
+    vehicle.velocity_mps[0], vehicle.velocity_mps[1] = state[4] * cos(state[3]), state[4] * sin(state[3])
 
 
 @inner
@@ -186,7 +206,7 @@ def classify(config, channel, key, radio_range_m, number, agent, vehicle, link, 
         return
     if not vehicle.born:
         begin(config, channel, key, number, vehicle, link, contact)
-    x, y = vehicle.x_m - agent.x_m, vehicle.y_m - agent.y_m
+    x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
     if x * x + y * y > radio_range_m * radio_range_m:
         vehicle.state, vehicle.heard = FAR, False
     elif vehicle.heard:
@@ -232,13 +252,13 @@ def alert(config, channel, e, vehicle, contact, link, r):
 
 
 @inner
-def witness(config, e, range_error_m, along, offset_m, agent, vehicle):
+def witness(config, e, range_error_m, road, agent, vehicle):
     """Events of the tick on true states: least separation; entry into a pair's zone on the agent's lane."""
-    x, y = vehicle.x_m - agent.x_m, vehicle.y_m - agent.y_m
+    x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
     separation_m = sqrt(x * x + y * y)
     if separation_m < e.min_separation_m:
         e.min_separation_m, e.closest_s = separation_m, e.tick * config.tick_s
-    right_m = y * along[0] - x * along[1] + offset_m
+    right_m = y * road[1] - x * road[2] + road[3]
     if abs(right_m) < HALF_LANE_M:
         v, u = vehicle.velocity_mps, agent.velocity_mps
         radius_m = pair_radius_m(

@@ -37,7 +37,8 @@ def test_filter_is_that_of_the_paper_on_the_noise_of_the_pair():
 
     def watch():
         v = sensor.vehicles
-        distances.append(np.hypot(v["x_m"][1:] - v["x_m"][0], v["y_m"][1:] - v["y_m"][0]))
+        gap = v["position_m"][1:] - v["position_m"][0]
+        distances.append(np.hypot(*gap.T))
 
     watch()
     for _ in range(10):  # as highway-env's own loop does for one decision
