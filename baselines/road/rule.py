@@ -24,7 +24,9 @@ SIDES = {-1: "LANE_LEFT", 1: "LANE_RIGHT"}
 class Rule(Driver):
     """Changes lane away from the other's velocity if the target lane's zone is free, else brakes."""
 
-    lateral_m: float = number(2.5, 0.5, 10.0)  # a vehicle nearer than this to a lane's centre is on it
+    # A vehicle nearer than this to a lane's centre is on it. Two solutions of 1 m an axis make that uncertain: on 100
+    # episodes of split `validation`, 2, 2.5, 3 and 3.5 m collide in 21, 8, 5 and 5, 8, 12, 16 and 20 m from the plan.
+    lateral_m: float = number(3.0, 0.5, 10.0)
     horizon_s: float = number(1.0, 0.0, 10.0)  # or will be in this time
     drift_mps: float = number(0.5, 0.0, 10.0)  # slower lateral motion has no side
 
