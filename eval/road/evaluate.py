@@ -21,7 +21,7 @@ from rss_gym.eval.episodes import Block
 from rss_gym.eval.evaluate import Result, Scored
 from rss_gym.eval.intervals import mean_t
 from rss_gym.eval.metrics import METRICS, Estimate, Flights, measure
-from rss_gym.eval.policies import Entry, _folder_name
+from rss_gym.eval.policies import Entry, folder_name
 from rss_gym.eval.road.drives import DEVIATIONS, drive, environment
 from rss_gym.eval.road.suites import SUITES, RoadSuite
 from rss_gym.eval.table import TABLE
@@ -200,13 +200,14 @@ def _find(name: str) -> RoadSuite:
 
 def _prepared(policies: Sequence[str], suite: RoadSuite, reference: str | None) -> tuple[list[RoadEntry], str]:
     """The policies as entries, and which of them the others are compared with."""
+    _MADE.clear()  # a folder may hold another driver by now
     given = [name for item in policies for name in (road.POLICIES if item == ALL else [item])]
     if NOMINAL not in given:
         given.insert(0, NOMINAL)
     entries: list[RoadEntry] = []
     for spec in given:
         policy = _made(spec, suite)[0]
-        name = _folder_name(spec) if getattr(policy, "digest", "") else spec
+        name = folder_name(spec) if getattr(policy, "digest", "") else spec
         if name in [entry.name for entry in entries]:
             raise ParamsError(f"policy {name!r} is given twice")
         entries.append(RoadEntry(name, spec, policy, suite.params))

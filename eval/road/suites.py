@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from rss_gym.eval.suites import Suite
 from rss_gym.highway.env import SCENES
@@ -21,6 +21,8 @@ class RoadSuite(Suite):
 
     scene: str
     keywords: dict[str, Any] = field(default_factory=dict)
+
+    packages: ClassVar[tuple[str, ...]] = ("highway-env",)
 
     @property
     def families(self) -> list[str]:

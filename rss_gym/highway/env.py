@@ -11,8 +11,9 @@ import gymnasium as gym
 import numpy as np
 
 from rss_gym.highway.config import check
+from rss_gym.highway.settings import changed, mapping
 from rss_gym.highway.wrapper import RssRanging
-from rss_gym.params import Group, ParamsError, number, suggestion
+from rss_gym.params import Group, ParamsError, Zone, number, suggestion
 
 EXTRA = 'the roads need highway-env, which is not installed: pip install "rss-gym[highway]"'
 
@@ -138,7 +139,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         config: Mapping[str, Any] | None = None,
         reward: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
-        zone: Mapping[str, Any] | None = None,
+        zone: Zone | Mapping[str, Any] | None = None,
         **keywords: Any,
     ) -> None:
         if scene not in SCENES:
@@ -153,12 +154,11 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         kind = scene_class(self.scene)
         changes = {} if config is None else config
         check(changes, kind.default_config())
-        try:
-            self.reward = RoadReward().replace(**(reward or {}))
-        except ParamsError as error:
-            raise ParamsError(f"reward: {error}") from error
+        self.reward = changed("reward", RoadReward(), reward)
+        if not isinstance(zone, Zone):
+            zone = {**self.scene.zone, **mapping("zone", {} if zone is None else zone)}
         road = kind(config={**self.scene.configuration, **changes}, render_mode=render_mode)
-        self.ranging = RssRanging(road, zone={**self.scene.zone, **(zone or {})}, **keywords)
+        self.ranging = RssRanging(road, zone=zone, **keywords)
         self.params = self.ranging.params
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode

@@ -36,7 +36,7 @@ class Sensor:
 
     def __init__(self, params: Params, radio_range_m: float) -> None:
         announce(Path(__file__).resolve().parents[1])
-        self.params, self.radio_range_m = params, float(radio_range_m)
+        self.params, self.radio_range_m = params, radio_range_m
         self._config, self._channels = records.config(params), records.channels(params)
         self._block, self._link_lanes = np.zeros(1, records.BLOCK), np.zeros(1, records.LINK_LANES)
         self._agent_lanes, self._craft_lanes = np.zeros((2, 1), records.AIRCRAFT_LANES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from rss_gym.params import Group, Navigation, Params, ParamsError, Ranging, Zone, suggestion
+from rss_gym.params import MAX_INTRUDERS, Group, Navigation, Params, ParamsError, Ranging, Zone, suggestion
 
 # |v| of (40) is the relative speed of the fastest and the slowest of highway-env's vehicles, 30 and 20 m/s. With the
 # world's n_d = 8 the zone would be 120 m and hold everybody on the road for good; with n_d = 3, which bounds a missed
@@ -49,16 +49,18 @@ def settings(
     ParamsError
         For an unknown name, with the nearest known one, or a value out of range.
     """
+    if isinstance(vehicles, bool) or not isinstance(vehicles, int) or not 1 <= vehicles <= MAX_INTRUDERS:
+        raise ParamsError(f"vehicles must be a whole number in [1, {MAX_INTRUDERS}], got {vehicles!r}")
     if navigation is not None:
-        for name in _mapping("navigation", navigation):
+        for name in mapping("navigation", navigation):
             if name not in NAVIGATED:
                 raise ParamsError(f"navigation has no parameter {name!r} on a road{suggestion(str(name), NAVIGATED)}")
     return Params.of(
         {
             "clock": {"tick_s": tick_s, "decision_s": decision_s},
-            "zone": (zone if isinstance(zone, Zone) else _changed("zone", ZONE, zone)).to_dict(),
-            "ranging": _changed("ranging", RANGING, ranging).to_dict(),
-            "navigation": _changed("navigation", NAVIGATION, navigation).to_dict(),
+            "zone": (zone if isinstance(zone, Zone) else changed("zone", ZONE, zone)).to_dict(),
+            "ranging": changed("ranging", RANGING, ranging).to_dict(),
+            "navigation": changed("navigation", NAVIGATION, navigation).to_dict(),
         },
         intruders=vehicles,
         channel=channel,
@@ -69,14 +71,22 @@ def settings(
     )
 
 
-def _changed(name: str, base: G, given: Mapping[str, Any] | None) -> G:
+def changed(name: str, base: G, given: Mapping[str, Any] | None) -> G:
+    """A group with some fields changed.
+
+    Raises
+    ------
+    ParamsError
+        Naming the group too.
+    """
     try:
-        return base.replace(**_mapping(name, given or {}))
+        return base.replace(**mapping(name, {} if given is None else given))
     except ParamsError as error:
         raise ParamsError(f"{name}: {error}") from error
 
 
-def _mapping(name: str, given: Any) -> Mapping[str, Any]:
+def mapping(name: str, given: Any) -> Mapping[str, Any]:
+    """`given`, found to be a dict."""
     if not isinstance(given, Mapping):
         raise ParamsError(f"{name} must be a dict of parameters, got {given!r}")
     return given

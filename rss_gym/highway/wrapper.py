@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 import gymnasium as gym
 import numpy as np
 
+from rss_gym.checks import positive
 from rss_gym.core import SEED_LIMIT, SPLITS, checked_options, checked_seed
 from rss_gym.highway.config import check
 from rss_gym.highway.observation import Writer
@@ -77,12 +78,6 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
             raise ParamsError(f"RssRanging wraps environments of highway-env, got {type(base).__name__}")
         if driver not in get_args(Driver):
             raise ParamsError(f"driver = {driver!r} is unknown{suggestion(str(driver), get_args(Driver))}")
-        if (
-            isinstance(radio_range_m, bool)
-            or not isinstance(radio_range_m, (int, float))
-            or not 1 <= radio_range_m <= 1e4
-        ):
-            raise ParamsError(f"radio_range_m must be a number in [1, 10000], got {radio_range_m!r}")
         if not isinstance(radio, bool):
             raise ParamsError(f"radio must be true or false, got {radio!r}")
         if base.config.get("controlled_vehicles", 1) != 1:
@@ -92,7 +87,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         self.params = settings(
             1.0 / frequency, ticks / frequency, vehicles, channel, track, estimator, zone, ranging, navigation
         )
-        self.sensor, self.driver = Sensor(self.params, radio_range_m), driver
+        self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver
         self._writer = Writer(self.params, radio)
         self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
         self.plan: Plan | None = None

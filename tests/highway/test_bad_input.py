@@ -15,12 +15,12 @@ from rss_gym.params import ParamsError
     [
         ({"scene": "higway"}, "scene 'higway' is unknown; did you mean 'highway'"),
         ({"vehicels": 3}, "no parameter 'vehicels'; did you mean 'vehicles'"),
-        ({"vehicles": 9}, r"intruders must be in \[1, 8\]"),
+        ({"vehicles": 9}, r"vehicles must be a whole number in \[1, 8\], got 9"),
         ({"track": "papr"}, "track = 'papr' is unknown; did you mean 'paper'"),
         ({"estimator": "ekf"}, "estimator = 'ekf' is unknown"),
         ({"driver": "mobil"}, "driver = 'mobil' is unknown"),
         ({"radio": 1}, "radio must be true or false"),
-        ({"radio_range_m": 0.0}, "radio_range_m must be a number in"),
+        ({"radio_range_m": 0.0}, "radio_range_m must be finite, above 0"),
         ({"channel": "papre"}, "channel preset 'papre' is unknown; did you mean 'paper'"),
         ({"zone": {"reaction": 1.0}}, "zone: Zone has no parameter 'reaction'; did you mean 'reaction_s'"),
         ({"ranging": {"prior_m": 1.0}}, "ranging: Ranging has no parameter 'prior_m'"),
@@ -36,6 +36,8 @@ from rss_gym.params import ParamsError
         ({"config": {"observation": {"type": "Kinematics"}}}, "has no effect here"),
         ({"config": {"controlled_vehicles": 2}}, "observes one controlled vehicle, got 2"),
         ({"config": [1]}, "config must be a dict"),
+        ({"zone": 45.0}, "zone must be a dict of parameters, got 45.0"),
+        ({"reward": 1}, "reward must be a dict of parameters, got 1"),
         ({"render_mode": "ansi"}, "render_mode must be one of"),
     ],
 )
