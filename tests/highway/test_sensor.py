@@ -1,7 +1,6 @@
 """The radio on the road: whose noise it is, which filters are kept, what is told."""
 
 import gymnasium as gym
-import highway_env  # noqa: F401
 import numpy as np
 import pytest
 
