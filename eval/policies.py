@@ -60,7 +60,7 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
     if isinstance(policy, str):
         if name is None and baselines.is_folder(policy):
-            name = _folder_name(policy)
+            name = folder_name(policy)
         policy = _imported(policy, world) if baselines.is_code(policy) else baselines.make(policy, world)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
@@ -75,7 +75,7 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     return Entry(name or spec, spec, policy, world)
 
 
-def _folder_name(spec: str) -> str:
+def folder_name(spec: str) -> str:
     """The last part of the path that says more than where a run keeps its agent."""
     path = Path(spec).resolve()
     return path.parent.name if path.name == "agent" and path.parent.name else path.name

@@ -56,7 +56,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME",
         help="such as none orthogonal:radius_m=60; all for every one that can fly there",
     )
-    command.add_argument("--suite", default="encounter-v0")
+    command.add_argument("--suite", default="encounter-v0", help="see rss-gym list; highway-v0 and others are roads")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")
     command.add_argument(
@@ -171,7 +171,6 @@ def _list(options: argparse.Namespace) -> None:
 
 def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import records, report, text
-    from rss_gym.eval.evaluate import check
     from rss_gym.files import check_new, new_folder
     from rss_gym.params import ParamsError
 
@@ -187,7 +186,7 @@ def _eval(options: argparse.Namespace) -> None:
         results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
     else:
         for track in tracks:  # before hours are flown on the first
-            check(options.policy, options.suite, options.reference, **changes, track=track)
+            _scorer(options).check(options.policy, options.suite, options.reference, **changes, track=track)
         with new_folder(out) as folder:
             results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
     if options.json:
@@ -195,17 +194,16 @@ def _eval(options: argparse.Namespace) -> None:
         several = {track: json.loads(content) for track, content in scores.items()}
         print(json.dumps(several, indent=1) if len(tracks) > 1 else scores[""].rstrip())
         return
+    columns = _scorer(options).COLUMNS if _is_road(options) else text.COLUMNS
     for track, result in results.items():
-        print(text.table(result))
+        print(text.table(result, columns))
         print(f"scores: {os.path.join(options.out, track, records.SCORES)}")
         print(f"report: {os.path.join(options.out, track, report.REPORT)}")
 
 
 def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
-    """Fly and save one record."""
-    from rss_gym.eval import evaluate, records, report
-
-    result = evaluate(
+    """Fly, or drive, and save one record."""
+    result = _scorer(options).evaluate(
         options.policy,
         suite=options.suite,
         episodes=options.episodes,
@@ -214,8 +212,26 @@ def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: 
         reference=options.reference,
         **changes,
     )
-    records.save(result, out, options.csv, report.write)
+    if _is_road(options):
+        _scorer(options).save(result, out, options.csv)
+    else:
+        from rss_gym.eval import records, report
+
+        records.save(result, out, options.csv, report.write)
     return result
+
+
+def _is_road(options: argparse.Namespace) -> bool:
+    from rss_gym.eval import road
+
+    return options.suite in road.SUITES
+
+
+def _scorer(options: argparse.Namespace) -> Any:
+    """The module with `check` and `evaluate` for the suite."""
+    import importlib
+
+    return importlib.import_module("rss_gym.eval.road" if _is_road(options) else "rss_gym.eval.evaluate")
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -241,7 +257,7 @@ def _leaderboard(options: argparse.Namespace) -> None:
 
 def _train(options: argparse.Namespace) -> int:
     from rss_gym.params import ParamsError
-    from rss_gym.train import recipe, run
+    from rss_gym.train import recipe, road, run
 
     changes = recipe.parse_changes(options.set or [])
     short = {"recipe.env": options.env, "recipe.steps": options.steps}
@@ -253,14 +269,19 @@ def _train(options: argparse.Namespace) -> int:
                 shipped = ", ".join(recipe.recipes())
                 raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
             seeds = 1 if options.seeds is None else options.seeds
-            run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            if road.is_road(options.recipe):
+                road.start(road.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            else:
+                run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
         else:
             if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
                 raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")
             run.resume(options.resume, options.workers)
     except KeyboardInterrupt:
-        folder = options.resume or options.out
-        print(f"rss-gym: interrupted; go on with rss-gym train --resume {folder}", file=sys.stderr)
+        how = f"go on with rss-gym train --resume {options.resume or options.out}"
+        if options.resume is None and road.is_road(options.recipe):
+            how = "a training on a road is short and begins anew"
+        print(f"rss-gym: interrupted; {how}", file=sys.stderr)
         return 130
     return 0
 
