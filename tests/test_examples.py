@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).resolve().parent.parent / "examples"
-SMALL = ["policy.net_arch=[8]", "imitation.episodes=64", "imitation.epochs=1", "imitation.critic_steps=0"]
-SMALL += ["vec.n_envs=64", "algorithm.batch_size=1024", "validation.episodes=40"]
+SMALL = ["policy.net_arch=[8]", "imitation.episodes=64", "imitation.epochs=1", "vec.n_envs=64"]
+SMALL += ["algorithm.batch_size=32", "algorithm.window=20", "validation.episodes=40"]
 # File -> arguments, packages that it needs, words of its last lines
 EXAMPLES = {
     "step.py": (["--rows", "32", "--steps", "250"], [], ["32 rows of 250 decisions", "with a collision"]),
     "train_in_minutes.py": (
         ["--steps", "4096", "--episodes", "30", "--out", "run", "--set", *SMALL],
         ["stable_baselines3"],
-        ["agent ", "orthogonal ", "mpc ", "30 encounters"],
+        ["agent ", "orthogonal ", "cbf ", "30 encounters"],
     ),
     "score_own_policy.py": (["--episodes", "50"], [], ["pass-behind ", "orthogonal ", "50 encounters"]),
     "ppo_single_file.py": (

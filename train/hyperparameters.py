@@ -138,7 +138,7 @@ class Sac(Hyperparameters):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pathwise(Hyperparameters):
-    """Of `rss_gym.train.pathwise.algorithm.Pathwise`; a round flies an encounter in every row, a batch is some of them."""
+    """Of `rss_gym.train.pathwise.algorithm.Pathwise`; a batch is of encounters, and a round flies one in every row."""
 
     learning_rate: Schedule = field(default=Schedule(1e-3), metadata=within(1e-8, 1.0))
     batch_size: int = number(1000, 2, 10**6)
