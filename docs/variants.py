@@ -1,10 +1,11 @@
-"""Trains `pathwise-short` with one thing changed, three seeds each, and writes what that did: make variants.
+"""Trains `pathwise-short` with one thing changed at a time and writes what that did: make variants.
 
 A variant is a run of `rss-gym train` in a folder of its own in runs/variants/; one that is finished is not trained
-again, one that was interrupted goes on. Remove runs/variants/ after a change of the world or of the recipe.
+again, one that was interrupted goes on; names choose some of them. Remove runs/variants/ after a change of the world or of the recipe.
 """
 
 import csv
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,26 +16,26 @@ from rss_gym.train import recipe, run
 
 ROOT = Path(__file__).resolve().parent.parent
 RUNS = ROOT / "runs" / "variants"
-RECIPE, SEEDS, BASE_SEEDS, WORKERS = "pathwise-short", 3, 5, 2
-# Folder -> what is told of it, and what differs from the recipe.
-VARIANTS: dict[str, tuple[str, dict[str, Any]]] = {
-    "base": ("the recipe", {}),
-    "no-imitation": ("no imitation before", {"imitation.episodes": 0}),
-    "no-features": ("no features of the approach", {"policy.features": "none"}),
-    "no-decay": ("gradient not decayed", {"algorithm.gradient_decay": 1.0}),
-    "no-radio": ("ablation: radio and messages zeroed", {"policy.zeroed": "radio"}),
-    "no-range": ("ablation: range fields zeroed", {"policy.zeroed": "range"}),
-    "ekf-white": ("ablation: estimator `ekf-white`", {"world.estimator": "ekf-white"}),
-    "ls": ("ablation: estimator `ls`", {"world.estimator": "ls"}),
-    "oracle": ("ablation: track `oracle`", {"world.track": "oracle"}),
+RECIPE, WORKERS = "pathwise-short", 2
+# Folder -> what is told of it, seeds, and what differs from the recipe.
+VARIANTS: dict[str, tuple[str, int, dict[str, Any]]] = {
+    "base": ("the recipe", 5, {}),
+    "no-imitation": ("no imitation before", 3, {"imitation.episodes": 0}),
+    "no-features": ("no features of the approach", 3, {"policy.features": "none"}),
+    "no-decay": ("gradient not decayed", 3, {"algorithm.gradient_decay": 1.0}),
+    "no-radio": ("ablation: radio and messages zeroed", 1, {"policy.zeroed": "radio"}),
+    "no-range": ("ablation: range fields zeroed", 1, {"policy.zeroed": "range"}),
+    "ekf-white": ("ablation: estimator `ekf-white`", 1, {"world.estimator": "ekf-white"}),
+    "ls": ("ablation: estimator `ls`", 1, {"world.estimator": "ls"}),
+    "oracle": ("ablation: track `oracle`", 1, {"world.track": "oracle"}),
 }
 
 
 def train(name: str) -> Path:
     """The run of a variant, trained or taken as it is."""
-    folder, recipe_ = RUNS / name, recipe.load(RECIPE, VARIANTS[name][1])
+    folder, (_, seeds, changes) = RUNS / name, VARIANTS[name]
     if not folder.exists():
-        run.start(recipe_, folder, SEEDS if VARIANTS[name][1] else BASE_SEEDS, WORKERS, show=False)
+        run.start(recipe.load(RECIPE, changes), folder, seeds, WORKERS, show=False)
     elif not (folder / "agent").exists():
         run.resume(folder, WORKERS, show=False)
     return folder
@@ -55,11 +56,12 @@ def row(name: str) -> list[str]:
 
 
 def main() -> None:
-    """Train what is missing, then write the README's table."""
-    for name in VARIANTS:
+    """Train what is missing, then write the README's table of those that are there."""
+    for name in sys.argv[1:] or VARIANTS:
         print(name, flush=True)
         train(name)
-    text = table(["variant", "collisions, each seed", "mean deviation, m"], [row(name) for name in VARIANTS])
+    rows = [row(name) for name in VARIANTS if (RUNS / name / "agent").exists()]
+    text = table(["variant", "collisions, each seed", "mean deviation, m"], rows)
     episodes = recipe.load(RECIPE).validation.episodes
     put(
         ROOT / "README.md",
