@@ -224,6 +224,9 @@ class Imitation(Group):
         The greatest of the one cycle that it goes through.
     critic_steps : int
         So many first decisions of the training teach the critic alone: one that knows nothing spoils the actor.
+    competes : bool
+        Whether the imitated policy may be kept as the best. Between policies that the validation does not tell apart in
+        safety the ranking takes the one that deviates less, which in a short validation favours it.
     """
 
     policy: str = "mpc"
@@ -233,6 +236,7 @@ class Imitation(Group):
     batch_size: int = number(4096, 1, 10**6)
     learning_rate: float = number(4e-3, 1e-8, 1.0)
     critic_steps: int = number(0, 0, 10**12)
+    competes: bool = True
 
     def __post_init__(self) -> None:
         """Check that the rule's name is a text; the recipe checks the rest of it."""
