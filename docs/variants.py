@@ -1,7 +1,8 @@
 """Trains `pathwise-short` with one thing changed at a time and writes what that did: make variants.
 
 A variant is a run of `rss-gym train` in a folder of its own in runs/variants/; one that is finished is not trained
-again, one that was interrupted goes on; names choose some of them. Remove runs/variants/ after a change of the world or of the recipe.
+again, one that was interrupted goes on; names choose some of them. Remove runs/variants/ after a change of the world or
+of the recipe.
 """
 
 import csv
