@@ -143,7 +143,9 @@ class Agent:
             memory[np.broadcast_to(np.asarray(episode_start, bool), len(rows))] = 0.0
         inputs = np.concatenate([memory[:, :older], rows], axis=1)
         memory[:, :older] = inputs[:, rows.shape[1] :]
-        inputs = append(self._features, inputs, memory[:, older:known])
+        told = np.ascontiguousarray(memory[:, older:known])
+        inputs = append(self._features, inputs, told)
+        memory[:, older:known] = told
         if self.network.clip:
             inputs = (inputs - self._tensors["mean"]) / self._tensors["std"]
             inputs = np.clip(inputs, -self.network.clip, self.network.clip)

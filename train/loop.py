@@ -84,7 +84,6 @@ def train_seed(
         Its line.
     """
     torch.set_num_threads(1)
-    torch.set_flush_denormal(True)  # far misses have gradients of no size, and such numbers are slow
     with locked(folder / LOCK):
         tidy(folder, CHECKPOINT, BEST, BEST_MODEL, PROGRESS, VALIDATION)
         checkpoint, seed = folder / CHECKPOINT, index * SEED_STRIDE

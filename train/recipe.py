@@ -104,6 +104,8 @@ class Recipe:
                     f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got "
                     f"{self.hyperparameters.batch_size}"
                 )
+        if isinstance(self.hyperparameters, Pathwise):
+            self._check_pathwise(self.hyperparameters)
         if self.imitation.episodes:
             if self.algorithm not in IMITATORS:
                 raise ParamsError(
@@ -111,6 +113,26 @@ class Recipe:
                     f"{self.algorithm!r}"
                 )
             _ = self.teacher  # refuses what cannot be imitated
+
+    def _check_pathwise(self, table: Pathwise) -> None:
+        """Refuse what the gradient through the flight does not know."""
+        params = self.params
+        found = {
+            "[world]: intruders": (params.encounter.intruders, 1),
+            "[world]: action": (params.interface.action, "velocity"),
+            "[vec]: stack": (self.vec.stack, 1),
+            "[vec]: normalise_observation": (self.vec.normalise_observation, False),
+            "[imitation]: critic_steps": (self.imitation.critic_steps, 0),
+            "[[curriculum]]: stages": (len(self.curriculum), 0),
+        }
+        for name, (given, needed) in found.items():
+            if given != needed:
+                raise ParamsError(f"{name} must be {needed!r} with algorithm 'pathwise', got {given!r}")
+        if table.batch_size > self.vec.n_envs:
+            raise ParamsError(
+                f"[algorithm]: batch_size must be at most n_envs = {self.vec.n_envs}, the encounters of a round, got "
+                f"{table.batch_size}"
+            )
 
     @property
     def teacher(self) -> Scripted:

@@ -12,8 +12,7 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
-from rss_gym.core import Batch
-from rss_gym.params import Params, ParamsError
+from rss_gym.params import Params
 from rss_gym.train import export
 from rss_gym.train.course import Course
 from rss_gym.train.pathwise.flights import Flights, record
@@ -62,20 +61,7 @@ class Pathwise(PPO):
         self.skipped = 0  # batches whose gradient was not finite
 
     def fly_in(self, world: Params, inputs: export.Inputs) -> None:
-        """Tell what world the rows are of, and what of their observations the network is given.
-
-        Raises
-        ------
-        ParamsError
-            For a world or inputs that cannot be differentiated.
-        """
-        if world.encounter.intruders != 1 or world.interface.action != "velocity":
-            raise ParamsError(
-                "algorithm 'pathwise' needs intruders = 1 and action = 'velocity', got intruders = "
-                f"{world.encounter.intruders}, action = {world.interface.action!r}"
-            )
-        if inputs.stack != 1 or inputs.normalisation is not None:
-            raise ParamsError("algorithm 'pathwise' needs stack = 1 and normalise_observation = false")
+        """Tell what world the rows are of, and what of their observations the network is given; a recipe checks both."""
         self.world, self.inputs = world, inputs
         self.surrogate = Surrogate(world, inputs.features, inputs.zeroed)
 
@@ -85,10 +71,10 @@ class Pathwise(PPO):
         """Fly an encounter in every row."""
         callback.on_rollout_start()
         course, start = _course(env), perf_counter()
-        self.flights, decisions = record(course.venv.batch, export.agent(self, self.world, self.inputs), self.window)
+        self.flights, episodes = record(course.venv.batch, export.agent(self, self.world, self.inputs), self.window)
         course.spent_s += perf_counter() - start
-        self.num_timesteps += decisions
-        self.ep_info_buffer.extend(_episodes(course.venv.batch))  # type: ignore[union-attr]
+        self.num_timesteps += int(sum(episode["l"] for episode in episodes))
+        self.ep_info_buffer.extend(episodes)  # type: ignore[union-attr]
         callback.update_locals(locals())
         go_on = callback.on_step()
         callback.on_rollout_end()
@@ -98,6 +84,13 @@ class Pathwise(PPO):
         """Follow the gradient."""
         self.policy.set_training_mode(True)
         self._update_learning_rate(self.policy.optimizer)
+        torch.set_flush_denormal(True)  # far misses have gradients of next to nothing, and such numbers are slow
+        try:
+            self._descend()
+        finally:
+            torch.set_flush_denormal(False)
+
+    def _descend(self) -> None:
         for chosen in self._batches():
             cost, separation, deviation = self._cost(chosen)
             self.policy.optimizer.zero_grad()
@@ -108,10 +101,11 @@ class Pathwise(PPO):
                 continue
             self.policy.optimizer.step()
             self._n_updates += 1
-        for name, value in {"cost_m": cost, "deviation_m": deviation.mean(), "gradient": norm}.items():
-            self.logger.record(f"train/{name}", float(value.detach()))
+            near = (separation < self.miss_m).float().mean()
+            told = {"cost_m": cost, "deviation_m": deviation.mean(), "gradient": norm, "near_misses": near}
+            for name, value in told.items():
+                self.logger.record_mean(f"train/{name}", float(value.detach()))
         self.logger.record("train/skipped", self.skipped)
-        self.logger.record("train/near_misses", float((separation < self.miss_m).float().mean()))
 
     def _batches(self) -> Iterator[Flights]:
         flights = self.flights
@@ -141,8 +135,3 @@ def _course(env: Any) -> Course:
     while not isinstance(env, Course):
         env = env.venv
     return env
-
-
-def _episodes(batch: Batch) -> list[dict[str, float]]:
-    """As `Course` tells of them, without the reward, which nothing here follows."""
-    return [{"r": 0.0, "l": 1, "collision": bool(hit), "deviation_m": 0.0} for hit in batch.episode["collision"]]

@@ -33,7 +33,9 @@ class Flights:
         Of the agent.
     position_error, velocity_error : tensors
         Of its solution.
-    gust, planned, planned_velocity, along : tensors
+    gust, intruder_velocity : tensors
+        Over the decision that follows.
+    planned, planned_velocity, along : tensors
         Of the agent; `along` is the unit vector of the leg.
     intruder : tensor
         True position.
@@ -52,6 +54,7 @@ class Flights:
     planned_velocity: torch.Tensor
     along: torch.Tensor
     intruder: torch.Tensor
+    intruder_velocity: torch.Tensor
 
     def __len__(self) -> int:
         """How many encounters."""
@@ -68,7 +71,7 @@ class Flights:
         return Flights(decisions=self.decisions[chosen], **parts)
 
 
-def record(batch: Batch, agent: Agent, window: int) -> tuple[Flights, int]:
+def record(batch: Batch, agent: Agent, window: int) -> tuple[Flights, list[dict[str, float]]]:
     """Fly the next episode in every row of `batch`.
 
     Parameters
@@ -81,21 +84,24 @@ def record(batch: Batch, agent: Agent, window: int) -> tuple[Flights, int]:
 
     Returns
     -------
-    flights, decisions
-        The encounters in which a message arrived, and the number of decisions flown in all.
+    flights, episodes
+        The encounters in which a message arrived, and of all of them what `Course` tells at their ends.
     """
     rows, world = batch.n, batch.params
     features = FEATURES[agent.network.features](world)
     mask, memory = kept_columns(agent.network.zeroed, world), np.zeros((rows, features.columns))
     batch.reset(np.ones(rows, bool))
-    done, first, state, flown = np.zeros(rows, bool), np.ones(rows, bool), None, 0
+    done, first, state = np.zeros(rows, bool), np.ones(rows, bool), None
+    totals = {name: np.zeros(rows) for name in ("r", "l", "deviation_m")}
     steps: list[dict[str, np.ndarray]] = []
     while not done.all():
         actions, state = agent.predict(batch.observations, state, first)
         seen = observation.split(batch.observations * mask, world)
-        steps.append(seen | features.facts(seen, memory) | _state(batch, done))
+        now = seen | features.facts(seen, memory) | _state(batch, done)
         batch.step(decode(actions, world, rows), done)
-        flown += int(np.count_nonzero(~done))
+        steps.append(now | _motion(batch))
+        for name, values in (("r", batch.rewards), ("l", 1.0), ("deviation_m", batch.info("deviation_m"))):
+            totals[name] += np.where(done, 0.0, values)
         done, first = done | batch.episode["terminated"] | batch.episode["truncated"], np.zeros(rows, bool)
     flown_by_row = {name: np.stack([step[name] for step in steps]) for name in steps[0]}
     heard = flown_by_row.pop("heard")
@@ -106,10 +112,12 @@ def record(batch: Batch, agent: Agent, window: int) -> tuple[Flights, int]:
     taken = {name: torch.as_tensor(values[at, chosen].astype(np.float32)) for name, values in flown_by_row.items()}
     taken["kept"] *= torch.as_tensor(within, dtype=torch.float32)
     length = batch.episode["ticks"][chosen] / world.clock.ticks_per_decision
+    totals |= {"deviation_m": totals["deviation_m"] / totals["l"], "collision": batch.episode["collision"]}
+    episodes = [{name: float(values[row]) for name, values in totals.items()} for row in range(rows)]
     own = {field.name for field in fields(Flights)}
     told = {name: value for name, value in taken.items() if name not in own}
     true: dict[str, Any] = {name: value for name, value in taken.items() if name in own}
-    return Flights(seen=told, decisions=torch.as_tensor(length, dtype=torch.float32), **true), flown
+    return Flights(seen=told, decisions=torch.as_tensor(length, dtype=torch.float32), **true), episodes
 
 
 def _state(batch: Batch, done: np.ndarray) -> dict[str, np.ndarray]:
@@ -123,9 +131,15 @@ def _state(batch: Batch, done: np.ndarray) -> dict[str, np.ndarray]:
         "way_point": agent["way_point_m"].copy(),
         "position_error": batch.own["position_m"] - agent["position_m"],
         "velocity_error": batch.own["velocity_mps"] - agent["velocity_mps"],
-        "gust": agent["gust_mps"].copy(),
         "planned": agent["planned_m"].copy(),
         "planned_velocity": agent["planned_mps"].copy(),
         "along": agent["along"].copy(),
         "intruder": other["position_m"].copy(),
     }
+
+
+def _motion(batch: Batch) -> dict[str, np.ndarray]:
+    """What holds through the decision just flown, a copy; gusts change before it."""
+    agent, other = batch.world.aircraft[:, 0], batch.world.aircraft[:, 1]
+    moved = other["velocity_mps"] + other["gust_mps"]
+    return {"gust": agent["gust_mps"].copy(), "intruder_velocity": moved}

@@ -78,7 +78,7 @@ class Surrogate:
                     state.register_hook(hook)
             actions = actor(self.inputs(flights, t, position, velocity, way_point)).clip(-1.0, 1.0)
             commanded = self._commanded(flights, t, actions)
-            kept, drift = flights.kept[t + 1] > 0.5, (flights.intruder[t + 1] - flights.intruder[t])
+            flown = flights.kept[t] > 0.5  # also the decision in which it collided
             for tick in range(1, clock.ticks_per_decision + 1):
                 way_point = self._held(way_point + commanded * clock.tick_s, flights, t, tick)
                 wanted = craft.position_gain_ps2 * (way_point - position) + craft.velocity_gain_ps * (
@@ -89,9 +89,9 @@ class Surrogate:
                 velocity = self._limited(velocity, craft.speed_max_mps, craft.vertical_speed_max_mps)
                 position = position + (velocity + flights.gust[t]) * clock.tick_s
                 if tick % 2:
-                    away = flights.intruder[t] + drift * (tick / clock.ticks_per_decision) - position
-                    nearest = torch.minimum(nearest, torch.where(kept, _size(away), FAR_M))
-            deviation = deviation + kept * _size(position - flights.planned[t + 1])
+                    there = flights.intruder[t] + flights.intruder_velocity[t] * (tick * clock.tick_s)
+                    nearest = torch.minimum(nearest, torch.where(flown, _size(there - position), FAR_M))
+            deviation = deviation + flights.kept[t + 1] * _size(position - flights.planned[t + 1])
         return nearest, deviation / flights.decisions
 
     def inputs(
