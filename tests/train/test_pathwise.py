@@ -33,8 +33,8 @@ def case(request):
     torch.manual_seed(0)
     one = learner(request.param)
     one.venv.reset()
-    flights, decisions = record(one.course.venv.batch, one.agent(), WINDOW)
-    return one, flights, decisions
+    flights, episodes = record(one.course.venv.batch, one.agent(), WINDOW)
+    return one, flights, episodes
 
 
 def actor(one):
@@ -43,9 +43,9 @@ def actor(one):
 
 
 def test_flights_are_those_of_the_batch(case):
-    _, flights, decisions = case
+    _, flights, episodes = case
     assert 0 < len(flights) <= ROWS and flights.kept.shape == (WINDOW + 1, len(flights))
-    assert decisions >= flights.kept.sum() > 0.5 * flights.kept.numel()
+    assert sum(episode["l"] for episode in episodes) >= flights.kept.sum() > 0.5 * flights.kept.numel()
     assert not flights.seen["message_valid"][0].any() or (flights.seen["time_s"][0] == 0.0).any()
     assert flights.seen["message_valid"][2].all()  # it is held from then on
     assert (flights.decisions >= flights.kept.sum(dim=0) - 1).all()
@@ -174,13 +174,37 @@ def test_training_lowers_the_cost():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"world.intruders": 2}, "intruders = 2"),
-        ({"world.action": "displacement", "imitation.episodes": 0}, "'displacement'"),
-        ({"vec.stack": 2}, "stack = 1"),
-        ({"vec.normalise_observation": True}, "normalise_observation"),
+        ({"world.intruders": 2}, "intruders must be 1"),
+        ({"world.action": "displacement"}, "action must be 'velocity'"),
+        ({"vec.stack": 2}, "stack must be 1"),
+        ({"vec.normalise_observation": True}, "normalise_observation must be False"),
+        ({"imitation.critic_steps": 10}, "critic_steps must be 0"),
+        ({"curriculum": [{"start": 0.5, "gust_mps": 0.0}]}, "stages must be 0"),
+        ({"algorithm.batch_size": 49}, "batch_size must be at most n_envs = 48"),
     ],
 )
 def test_what_cannot_be_differentiated_is_refused(changes, said):
     with pytest.raises(ParamsError, match="pathwise") as refused:
         learner("plane", **changes)
     assert said in str(refused.value)
+
+
+def test_a_collision_is_seen_in_its_own_decision():
+    """The surrogate repeats the least separation of flights that end in it."""
+    one = learner("plane", **{"vec.n_envs": 200, "algorithm.batch_size": 100})
+    policy = one.model.policy.action_net
+    torch.nn.init.zeros_(policy.weight), torch.nn.init.zeros_(policy.bias)  # follows its path
+    flights, episodes = flown(one, window=160)
+    with torch.no_grad():
+        separation, _ = one.model.surrogate.fly(flights, actor(one), 1.0, 1e9)
+    hit = torch.tensor([episode["collision"] > 0.5 for episode in episodes])
+    assert len(flights) == len(hit) and hit.sum() > 30
+    assert separation[hit].max() < 6.5  # three looks a decision, at up to 7 m/s
+    assert separation[~hit].min() > 4.0
+
+
+def test_what_is_told_of_episodes_is_what_was_flown():
+    one = learner("plane")
+    _, episodes = flown(one)
+    assert len(episodes) == ROWS
+    assert all(episode["r"] < 0.0 and episode["l"] > 20 and episode["deviation_m"] > 0.0 for episode in episodes)

@@ -31,7 +31,7 @@ class Pathwise(PPO):
 
     Parameters
     ----------
-    policy, env, learning_rate, batch_size, n_epochs, max_grad_norm, **others
+    policy, env, learning_rate, batch_size, n_epochs, max_grad_norm, and the last seven
         As of `PPO`; a batch is of encounters.
     miss_cost_m : float
         What an encounter that meets at zero separation costs, in metres of mean deviation.
@@ -47,21 +47,45 @@ class Pathwise(PPO):
         self,
         policy: Any,
         env: Any,
-        *,
+        learning_rate: Any = 1e-3,
+        batch_size: int = 1000,
+        n_epochs: int = 2,
+        max_grad_norm: float = 10.0,
         miss_cost_m: float = 1000.0,
         miss_m: float = 8.0,
         window: int = 130,
         gradient_decay: float = 0.95,
-        **others: Any,
+        stats_window_size: int = 100,
+        tensorboard_log: str | None = None,
+        policy_kwargs: dict[str, Any] | None = None,
+        verbose: int = 0,
+        seed: int | None = None,
+        device: Any = "auto",
+        _init_setup_model: bool = True,
     ) -> None:
         self.miss_cost_m, self.miss_m = miss_cost_m, miss_m
         self.window, self.gradient_decay = window, gradient_decay
-        super().__init__(policy, env, n_steps=2, **others)
+        super().__init__(
+            policy,
+            env,
+            learning_rate=learning_rate,
+            n_steps=2,  # its buffer is not used
+            batch_size=batch_size,
+            n_epochs=n_epochs,
+            max_grad_norm=max_grad_norm,
+            stats_window_size=stats_window_size,
+            tensorboard_log=tensorboard_log,
+            policy_kwargs=policy_kwargs,
+            verbose=verbose,
+            seed=seed,
+            device=device,
+            _init_setup_model=_init_setup_model,
+        )
         self.flights: Flights | None = None
         self.skipped = 0  # batches whose gradient was not finite
 
     def fly_in(self, world: Params, inputs: export.Inputs) -> None:
-        """Tell what world the rows are of, and what of their observations the network is given; a recipe checks both."""
+        """Tell the rows' world and what of their observations the network is given; a recipe checks both."""
         self.world, self.inputs = world, inputs
         self.surrogate = Surrogate(world, inputs.features, inputs.zeroed)
 
