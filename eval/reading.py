@@ -171,10 +171,9 @@ def load(folder: str | os.PathLike[str]) -> Record:
     if not root.is_dir():
         raise RecordError(f"{str(folder)!r} is not a folder; a record is a folder with a {SCORES}")
     content = parse(_read(file, SCORES_BYTES_MAX), str(file))
-    if isinstance(content, dict) and content.get("suite") in ROADS:
-        raise RecordError(
-            f"{file}: suite {content['suite']!r} is of a road, whose records are neither flown again nor ranked"
-        )
+    suite = content.get("suite") if isinstance(content, dict) else None
+    if isinstance(suite, str) and suite in ROADS:
+        raise RecordError(f"{file}: suite {suite!r} is of a road, whose records are neither flown again nor ranked")
     fields = _checked(str(file), "", content, _RECORD)
     params, families = _params(str(file), fields["params"])
     if fields["families"] != families:

@@ -81,7 +81,7 @@ def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
     ------
     ParamsError
         For a missing, truncated or foreign file, an unknown or missing field, a value out of bounds, a tensor of
-        another shape or with a value that is not finite, or a road that it was not made for.
+        another shape or with a value that is not finite, or a road or track that it was not made for.
     """
     place = Path(folder)
     try:
@@ -92,6 +92,11 @@ def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
         files._same_names(f"{files.DOCUMENT}, interface", interface, INTERFACE)
         if not isinstance(interface["radio"], bool):
             raise ParamsError(f"{files.DOCUMENT}, interface: radio must be true or false, got {interface['radio']!r}")
+        track = world.params.interface.track
+        if interface["track"] != track:
+            raise ParamsError(
+                f"{files.DOCUMENT}: it was made for track {interface['track']!r}, and this road has {track!r}"
+            )
         if document["observation"] != inputs(world) or interface["actions"] != list(world.actions):
             raise ParamsError(
                 f"{files.DOCUMENT}: it was made for {len(document['observation'])} fields and actions "
@@ -100,6 +105,8 @@ def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
             )
         if network.lstm or network.stack != 1 or network.features != "none" or network.squash or network.clip:
             raise ParamsError(f"{files.DOCUMENT}, network: on a road only dense layers are supported")
+        if network.zeroed != "nothing":
+            raise ParamsError(f"{files.DOCUMENT}, network: zeroed must be 'nothing' on a road, got {network.zeroed!r}")
         tensors = files._tensors(blob, shapes(network.layers, world))
     except ParamsError as error:
         raise ParamsError(f"policy folder {os.fspath(folder)!r}: {error}") from error

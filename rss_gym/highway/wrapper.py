@@ -20,6 +20,7 @@ from rss_gym.params import ParamsError, Zone, suggestion
 from rss_gym.physics.random import episode_key
 
 Driver = Literal["agent", "idm"]
+MADE_WITH = ("simulation_frequency", "policy_frequency", "controlled_vehicles")  # what sensor and clock rest on
 
 
 class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
@@ -102,10 +103,19 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start an episode; see the class for `seed` and `options`. `options["config"]` goes to highway-env."""
+        """Start an episode; see the class for `seed` and `options`. `options["config"]` goes to highway-env.
+
+        Raises
+        ------
+        ParamsError
+            For a wrong seed or option, or a key of the configuration that is unknown or fixed by the making.
+        """
         chosen = checked_options(options, 1, "config")
         if "config" in chosen:
             check(chosen["config"], self.base.config)
+            for name in MADE_WITH:
+                if name in chosen["config"]:
+                    raise ParamsError(f"config[{name!r}] belongs to the environment's making; reset() cannot change it")
         if seed is not None:
             self._seed, self._next = checked_seed(seed), 0
         elif not self._seeded:

@@ -54,6 +54,13 @@ def test_configuration_at_reset_is_checked_too():
     assert env.step(1)[3]
 
 
+@pytest.mark.parametrize("key", ["simulation_frequency", "policy_frequency", "controlled_vehicles"])
+def test_what_the_sensor_was_made_for_stays_at_reset(key):
+    env = RoadEnv()
+    with pytest.raises(ParamsError, match=rf"config\['{key}'\] belongs to the environment's making"):
+        env.reset(seed=0, options={"config": {key: 2}})
+
+
 def test_only_highway_env_is_wrapped():
     with pytest.raises(ParamsError, match="RssRanging wraps environments of highway-env, got CartPoleEnv"):
         RssRanging(gym.make("CartPole-v1"))

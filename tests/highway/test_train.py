@@ -1,6 +1,7 @@
 """Training on a road: the recipe, a run of a few decisions, the exported driver."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -31,13 +32,21 @@ def test_shipped_recipes_name_every_number():
         ({"recipe.env": "rss_gym/Higway-v0"}, "is no road; did you mean 'rss_gym/Highway-v0'"),
         ({"algorithm.gama": 0.9}, "no parameter 'gama'; did you mean 'gamma'"),
         ({"algorithm.batch_size": 100}, "batch_size must divide n_steps"),
+        ({"recipe.env": ["rss_gym/Highway-v0"]}, "is no road"),
         ({"policy.features": "approach"}, "features must be 'none' on a road"),
+        ({"policy.zeroed": "radio"}, "zeroed must be 'nothing' on a road, got 'radio'; .*world.radio = false"),
         ({"vec.n_envs": 2}, "write section.key=value"),
     ],
 )
 def test_refused(changes, sentence):
     with pytest.raises(ParamsError, match=sentence):
         road.load("highway", changes)
+
+
+def test_a_file_whose_env_is_no_name_is_no_road(tmp_path):
+    file = tmp_path / "wrong.toml"
+    file.write_text("[recipe]\nenv = []\n", encoding="utf-8")
+    assert not road.is_road(str(file))
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +83,22 @@ def test_driver_of_another_road_is_refused(run):
     env = RoadEnv("merge", vehicles=3)
     with pytest.raises(ParamsError, match="it was made for 80 fields"):
         make(str(run / "agent"), World.of(env))
+
+
+def test_driver_of_another_track_is_refused(run):
+    """The oracle's fields are those of the paper, and mean something else."""
+    env = RoadEnv(track="oracle")
+    with pytest.raises(ParamsError, match="it was made for track 'paper', and this road has 'oracle'"):
+        make(str(run / "agent"), World.of(env))
+
+
+def test_a_driver_with_zeroed_fields_is_refused(run, tmp_path):
+    folder = shutil.copytree(run / "agent", tmp_path / "agent")
+    document = json.loads((folder / "policy.json").read_text())
+    document["network"]["zeroed"] = "radio"
+    (folder / "policy.json").write_text(json.dumps(document))
+    with pytest.raises(ParamsError, match="zeroed must be 'nothing' on a road, got 'radio'"):
+        make(str(folder), World.of(RoadEnv()))
 
 
 def test_exported_network_is_sb3s():

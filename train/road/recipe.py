@@ -31,7 +31,7 @@ class Head(Group):
     def __post_init__(self) -> None:
         """Check the id."""
         Group.__post_init__(self)
-        if self.env not in ROADS:
+        if not isinstance(self.env, str) or self.env not in ROADS:
             raise ParamsError(f"env = {self.env!r} is no road{suggestion(str(self.env), ROADS)}")
 
 
@@ -50,6 +50,11 @@ class RoadRecipe:
         """Check what several tables decide together."""
         if self.policy.features != "none":
             raise ParamsError(f"[policy]: features must be 'none' on a road, got {self.policy.features!r}")
+        if self.policy.zeroed != "nothing":
+            raise ParamsError(
+                f"[policy]: zeroed must be 'nothing' on a road, got {self.policy.zeroed!r}; "
+                "world.radio = false takes the vehicles' fields away"
+            )
         total = self.hyperparameters.n_steps * self.head.n_envs
         if total % self.hyperparameters.batch_size:
             raise ParamsError(
@@ -85,7 +90,8 @@ def is_road(source: str) -> bool:
         table = tomllib.loads(Path(source).read_text(encoding="utf-8")).get("recipe")
     except (OSError, ValueError, RecursionError):  # the loader says what is wrong
         return False
-    return isinstance(table, Mapping) and table.get("env") in ROADS
+    env = table.get("env") if isinstance(table, Mapping) else None
+    return isinstance(env, str) and env in ROADS
 
 
 def load(source: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> RoadRecipe:
