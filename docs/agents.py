@@ -72,7 +72,7 @@ def card(name: str, recipe: Recipe, document: dict[str, Any], seeds: list[Seed],
         "world": f"`{recipe.env}`, {described(world)}",
         "other than the id's": listed({key: value for key, value in recipe.world.items() if key != "channel"}),
         **later(recipe),
-        "action": f"{world.interface.action}, up to {world.interface.reach_m:g} m",
+        "action": commanded(world),
         "network": ", ".join(f"{key} {json.dumps(value)}" for key, value in network.items()),
         "seeds": f"{', '.join(str(seed.number) for seed in seeds)}; shipped: {shipped.number}",
         "versions": ", ".join(f"{key} {value}" for key, value in document["versions"].items()),
@@ -112,6 +112,15 @@ def row(seed: Seed) -> list[str]:
     rate = Estimate(*(kept[f"collision_rate{end}"] for end in ("", "_low", "_high")), kept["episodes"], "1")
     deviation = f"{kept['path_deviation_mean_m']:.2f}"
     return [f"{seed.number}", f"{kept['steps']:,}", f"{kept['episodes']:,}", cell(rate, 1.0, ".2e"), deviation]
+
+
+def commanded(world: Params) -> str:
+    """What an action means, and its greatest amount."""
+    interface, limits = world.interface, world.aircraft
+    if interface.action != "velocity":
+        return f"{interface.action}, up to {interface.reach_m:g} m"
+    vertically = "" if world.encounter.planar else f", vertically {limits.vertical_speed_max_mps:g} m/s"
+    return f"velocity, up to {limits.speed_max_mps:g} m/s{vertically}"
 
 
 def described(world: Params) -> str:

@@ -175,10 +175,9 @@ class Report:
             where = f"Suite `{agent.suite}`, split `{agent.split}`, seed {agent.seed}."
             text += [f"## `{agent.name}`", where, self.scores(agent.name)]
         if self.ablations:
-            suites = {item.suite for item in self.plan.ablations}
-            whole = [self.flown[agent.name].shipped for agent in self.plan.agents if agent.suite in suites]
-            rows = [*(flight.row for flight in whole if flight), *self.ablations]
-            text += ["## Ablations", "The first row is the agent with everything.", opponents.scores(rows)]
+            suites = ", ".join(f"`{name}`" for name in sorted({item.suite for item in self.plan.ablations}))
+            what = f"Trained with what each row names, and flown so in {suites}, split `suite`, seed 0."
+            text += ["## Ablations", what, opponents.scores(self.ablations)]
         return "\n\n".join([*text, "## Comparisons", self.comparisons(), opponents.made("bars", "")])
 
     def summary(self) -> str:

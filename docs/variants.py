@@ -1,18 +1,20 @@
 """Trains `pathwise-short` with one thing changed at a time and writes what that did: make variants.
 
 A variant is a run of `rss-gym train` in a folder of its own in runs/variants/; one that is finished is not trained
-again, one that was interrupted goes on; names choose some of them. Remove runs/variants/ after a change of the world or
-of the recipe.
+again, one that was interrupted goes on; names choose some of them (python docs/variants.py base no-radio). Remove
+runs/variants/ after a change of the world or of the recipe.
 """
 
 import csv
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from opponents import put, table
 
 from rss_gym.eval.intervals import clopper_pearson
+from rss_gym.params import ParamsError, suggestion
 from rss_gym.train import recipe, run
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -30,6 +32,20 @@ VARIANTS: dict[str, tuple[str, int, dict[str, Any]]] = {
     "ls": ("ablation: estimator `ls`", 1, {"world.estimator": "ls"}),
     "oracle": ("ablation: track `oracle`", 1, {"world.track": "oracle"}),
 }
+
+
+def chosen(names: Sequence[str]) -> list[str]:
+    """The variants named, all without a name.
+
+    Raises
+    ------
+    ParamsError
+        For an unknown one.
+    """
+    for name in names:
+        if name not in VARIANTS:
+            raise ParamsError(f"variant {name!r} is unknown{suggestion(name, VARIANTS)}")
+    return list(names or VARIANTS)
 
 
 def train(name: str) -> Path:
@@ -56,11 +72,15 @@ def row(name: str) -> list[str]:
     return [VARIANTS[name][0], "; ".join(rates), deviations]
 
 
-def main() -> None:
-    """Train what is missing, then write the README's table of those that are there."""
-    for name in sys.argv[1:] or VARIANTS:
-        print(name, flush=True)
-        train(name)
+def main(names: Sequence[str]) -> int:
+    """Train what is missing of those named, then write the README's table of all that are there."""
+    try:
+        for name in chosen(names):
+            print(name, flush=True)
+            train(name)
+    except ParamsError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     rows = [row(name) for name in VARIANTS if (RUNS / name / "agent").exists()]
     text = table(["variant", "collisions, each seed", "mean deviation, m"], rows)
     episodes = recipe.load(RECIPE).validation.episodes
@@ -70,7 +90,8 @@ def main() -> None:
         f"{text}\n\n`{RECIPE}` with one thing changed, the last policy of each seed on the same {episodes:,} "
         "encounters of split `validation`, 95 % intervals in brackets; made by `make variants`.",
     )
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main(sys.argv[1:]))

@@ -2,7 +2,8 @@
 
 The curve joins the rule's settings that no other of its settings equals or beats in both, straight in the mean
 deviation and in the logarithm of the collision rate. Beyond its ends it has none: there the setting at the end stands
-in for it, which is told.
+in for it, which is told. So does the nearer one of two settings, if on the encounters in common the policy does not lie
+between them.
 """
 
 from __future__ import annotations
@@ -46,6 +47,11 @@ class Points:
         """Mean deviation."""
         return Delta.mean(self.deviation_m).value
 
+    @property
+    def place(self) -> tuple[float, float]:
+        """Mean deviation and collision rate."""
+        return self.mean_m, self.rate
+
 
 @dataclass(frozen=True, eq=False)
 class Beside:
@@ -56,7 +62,7 @@ class Beside:
     own, curve : Delta
         Of the policy, and of the curve at the same value of the other quantity.
     used : tuple of int
-        Indices of the two settings between which the curve is read, or of the one at its end.
+        Indices of the two settings between which the curve is read, or of the one that stands in for it.
     """
 
     own: Delta
@@ -75,22 +81,31 @@ def frontier(points: Sequence[tuple[float, float]]) -> list[int]:
 
 def rate_beside(policy: Points, settings: Sequence[Points]) -> Beside:
     """The policy's collision rate, and the curve's at the policy's mean deviation."""
-    used = _neighbours([(item.mean_m, item.rate) for item in settings], policy.mean_m, axis=0)
-    flown, ends = _common(policy, [settings[index] for index in used])
-    deviations = [Delta.mean(item.deviation_m) for item in ends]
-    logs = [Delta.rate(item.collision).log() for item in ends]
-    curve = _line(Delta.mean(flown.deviation_m), deviations, logs).exp()
-    return Beside(Delta.mean(flown.collision), curve, used)
+    used, flown = _read(policy, settings, axis=0)
+    at, *deviations = (Delta.mean(item.deviation_m) for item in flown)
+    rows = _rows(flown)
+    logs = [Delta.rate(item.collision, row).log() for item, row in zip(flown[1:], rows[1:], strict=True)]
+    return Beside(Delta.share(flown[0].collision, rows[0]), _line(at, deviations, logs).exp(), used)
 
 
 def deviation_beside(policy: Points, settings: Sequence[Points]) -> Beside:
     """The policy's mean deviation, and the curve's at the policy's collision rate."""
-    used = _neighbours([(item.mean_m, item.rate) for item in settings], policy.rate, axis=1)
-    flown, ends = _common(policy, [settings[index] for index in used])
-    deviations = [Delta.mean(item.deviation_m) for item in ends]
-    logs = [Delta.rate(item.collision).log() for item in ends]
-    curve = _line(Delta.rate(flown.collision).log(), logs, deviations)
-    return Beside(Delta.mean(flown.deviation_m), curve, used)
+    used, flown = _read(policy, settings, axis=1)
+    own, *deviations = (Delta.mean(item.deviation_m) for item in flown)
+    at, *logs = (Delta.rate(item.collision, row).log() for item, row in zip(flown, _rows(flown), strict=True))
+    return Beside(own, _line(at, logs, deviations), used)
+
+
+def _read(policy: Points, settings: Sequence[Points], axis: int) -> tuple[tuple[int, ...], list[Points]]:
+    """Which settings the curve is read from; the first flights of the policy and of them that all have in common."""
+    used = _neighbours([item.place for item in settings], policy.place[axis], axis)
+    flown = _common(policy, *(settings[index] for index in used))
+    at, *x = (item.place[axis] for item in flown)
+    # They were chosen on all flights of each; on those in common the policy can lie beyond both.
+    if len(used) == 2 and (x[0] == x[1] or not min(x) <= at <= max(x)):
+        used = (used[int(abs(x[1] - at) < abs(x[0] - at))],)
+        flown = _common(policy, settings[used[0]])
+    return used, flown
 
 
 def _neighbours(points: list[tuple[float, float]], at: float, axis: int) -> tuple[int, ...]:
@@ -102,13 +117,19 @@ def _neighbours(points: list[tuple[float, float]], at: float, axis: int) -> tupl
     return tuple(kept[max(above - 1, 0) : above + 1])
 
 
-def _common(policy: Points, ends: list[Points]) -> tuple[Points, list[Points]]:
-    n = min(len(item) for item in (policy, *ends))
-    return policy.first(n), [item.first(n) for item in ends]
+def _common(*flown: Points) -> list[Points]:
+    n = min(len(item) for item in flown)
+    return [item.first(n) for item in flown]
+
+
+def _rows(flown: list[Points]) -> list[int]:
+    """A row of its own for each, one without any collision while there are such: see `Delta.share`."""
+    quiet_first = np.argsort(np.any([item.collision for item in flown], axis=0), kind="stable")
+    return [int(quiet_first[index % len(quiet_first)]) for index in range(len(flown))]
 
 
 def _line(at: Delta, x: list[Delta], y: list[Delta]) -> Delta:
-    """Straight from (x[0], y[0]) to (x[1], y[1]), or y[0] where there is one point, or two of one x."""
-    if len(x) == 1 or x[0].value == x[1].value:
+    """Straight from (x[0], y[0]) to (x[1], y[1]); y[0] where there is one point."""
+    if len(x) == 1:
         return y[0]
     return y[0] + (at - x[0]) / (x[1] - x[0]) * (y[1] - y[0])

@@ -44,10 +44,19 @@ class Delta:
         return cls(mean, numbers - mean)
 
     @classmethod
-    def rate(cls, events: np.ndarray) -> Delta:
-        """Share of encounters with an event; none at all counts as half a one, so that there is a logarithm."""
+    def share(cls, events: np.ndarray, row: int = 0) -> Delta:
+        """Share of encounters with an event; one of none has the influence of one event, in encounter `row`.
+
+        Without it a share of none would count as known exactly. Shares of none are independent if their rows differ.
+        """
         found = cls.mean(events)
-        return found if found.value > 0.0 else cls(0.5 / len(events), found.influence)
+        return found if found.value > 0.0 else cls(0.0, cls.mean(np.arange(len(events)) == row).influence)
+
+    @classmethod
+    def rate(cls, events: np.ndarray, row: int = 0) -> Delta:
+        """As `share`, but none at all counts as half a one, so that there is a logarithm."""
+        found = cls.share(events, row)
+        return cls(found.value or 0.5 / len(events), found.influence)
 
     def __add__(self, other: Delta) -> Delta:
         return Delta(self.value + other.value, self.influence + other.influence)

@@ -52,6 +52,13 @@ def test_what_the_card_says_of_other_worlds():
     assert agents.later(other) == {"changes on the way": "from 50% of the steps on comfort_m"}
 
 
+def test_the_card_gives_the_reach_in_the_unit_of_the_action():
+    assert agents.commanded(Params.of(reach_m=30.0)) == "displacement, up to 30 m"
+    assert agents.commanded(Params.of(action="velocity", speed_max_mps=6.0)) == "velocity, up to 6 m/s"
+    space = Params.of(action="velocity", speed_max_mps=6.0, vertical_speed_max_mps=2.5, planar=False)
+    assert agents.commanded(space) == "velocity, up to 6 m/s, vertically 2.5 m/s"
+
+
 def test_shipping_again_replaces_the_folder(tiny_run, tmp_path):
     agents.ship(tiny_run, "twice", "- First.", tmp_path)
     (tmp_path / "twice" / "left.txt").write_text("over")

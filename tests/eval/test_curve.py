@@ -66,6 +66,17 @@ def test_a_rate_without_an_event_counts_half_a_one():
         Delta.mean(np.zeros(0))
 
 
+def test_a_rate_without_an_event_is_as_uncertain_as_one_event():
+    """Variance of one event in n, (1/n)(1 - 1/n); the value without a logarithm is zero."""
+    for found, value in ((Delta.share(np.zeros(200, bool)), 0.0), (Delta.rate(np.zeros(200, bool)), 0.5 / 200)):
+        assert found.value == value
+        assert np.var(found.influence) == pytest.approx((1 / 200) * (1 - 1 / 200))
+        assert np.mean(found.influence) == pytest.approx(0.0, abs=1e-15)
+        assert found.p() > 0.3
+    share = Delta.share(np.arange(200) < 3)
+    assert (share.value, share.p()) == (Delta.mean(np.arange(200) < 3).value, Delta.mean(np.arange(200) < 3).p())
+
+
 def test_frontier_by_hand():
     assert frontier([(9, 1), (5, 4), (7, 4), (6, 2), (5, 4), (12, 1)]) == [1, 3, 0]
     assert frontier([]) == []
@@ -105,6 +116,32 @@ def test_beyond_its_ends_the_setting_there_stands_in():
     assert at(9, 9.0) == pytest.approx([0.02, 4.0])
     with pytest.raises(ValueError, match="at least one setting"):
         rate_beside(settings[0], [])
+
+
+@pytest.mark.parametrize("event", [0, 1, 2, None])
+def test_without_collisions_neither_policy_nor_curve_is_known_exactly(event):
+    """Wherever the only collision of the setting is, none against one shows nothing, nor does none against none."""
+    n = 100
+    none = Points(np.zeros(n, bool), np.full(n, 6.0))
+    setting = Points(np.arange(n) == event if event is not None else np.zeros(n, bool), np.full(n, 6.0))
+    beside = rate_beside(none, [setting])
+    assert beside.own.value == 0.0
+    difference = beside.own - beside.curve
+    sd = (1.0 + 1.0) ** 0.5 / n  # of two independent counts of one
+    width = difference.interval().high - difference.value
+    assert width == pytest.approx(stats.t.ppf(0.975, n - 1) * sd, rel=0.02) and difference.p() > 0.05
+
+
+def test_the_curve_is_not_extended_where_the_encounters_in_common_do_not_reach():
+    """On all flights 6 m lies between 4 m and 8 m; on the first 100, which all flew, the second has 4.01 m."""
+    late = np.where(np.arange(1000) < 100, 4.01, 8.0 + 399 / 900)
+    settings = [
+        Points(np.arange(100) < 8, np.full(100, 4.0)),
+        Points(np.arange(1000) % 100 < 2, late),
+    ]
+    beside = rate_beside(Points(np.zeros(1000, bool), np.full(1000, 6.0)), settings)
+    assert beside.curve.value == pytest.approx(0.02)
+    assert beside.used == (1,) and len(beside.curve.influence) == 1000
 
 
 def test_the_first_encounters_that_all_flew_are_compared(flown):
