@@ -109,7 +109,7 @@ def export_model(
 def _seen(width: int, params: Params) -> tuple[int, str]:
     """How many observations stacked, and which features, make so many numbers."""
     fields = len(observation.fields(params))
-    for kind in FEATURES:
+    for kind in (name for name, features in FEATURES.items() if features.fits(params)):
         stack, rest = divmod(width - len(names(kind, params)), fields)
         if stack >= 1 and not rest:
             return stack, kind

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from rss_gym import baselines
+from rss_gym.baselines.features import FEATURES
 from rss_gym.baselines.policy import Scripted
 from rss_gym.core import spaces
 from rss_gym.encounters import chosen
@@ -88,6 +89,7 @@ class Recipe:
         params = self.params
         if params.interface.action == "discrete":
             raise ParamsError("[world]: action 'discrete' cannot be exported; use displacement or velocity")
+        FEATURES[self.policy.features](params)  # refuses a world that they cannot be computed in
         for previous, stage in pairwise((Stage(-1.0, {}), *self.curriculum)):
             if stage.start <= previous.start:
                 raise ParamsError(f"[[curriculum]]: start = {stage.start:g} must exceed {previous.start:g} before it")

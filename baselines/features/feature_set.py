@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,28 @@ class FeatureSet:
     Parameters
     ----------
     world : Params
+
+    Raises
+    ------
+    ParamsError
+        For a world that they cannot be computed in.
     """
 
     world: Params
+
+    def __post_init__(self) -> None:
+        """Refuse a world that the features cannot be computed in."""
+        if not self.fits(self.world):
+            raise ParamsError(
+                f"features {type(self).__name__.lower()!r} cannot be computed in this world: {self.needs}"
+            )
+
+    needs: ClassVar[str] = ""
+
+    @classmethod
+    def fits(cls, world: Params) -> bool:
+        """Whether they can be computed in this world; `needs` says what they need."""
+        return True
 
     @property
     def columns(self) -> int:

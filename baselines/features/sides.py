@@ -12,6 +12,7 @@ from rss_gym.baselines.cbf import Cbf
 from rss_gym.baselines.features.approach import AWAY_M, AXES, known_only, located
 from rss_gym.baselines.features.feature_set import FeatureSet
 from rss_gym.baselines.range_only import ALONG, ALONG_ALONG, PROBABILITY, RIGHT, RIGHT_RIGHT, RangeOnly
+from rss_gym.params import Params
 
 SIDES = ("left", "right")
 
@@ -22,6 +23,13 @@ class Sides(FeatureSet):
     Of `left` and `right`: its `probability`, the standard deviation of the position over 60 m (`std`), and the features
     of `Approach` in the plane; zero without a message.
     """
+
+    needs = "they need track 'range'"
+
+    @classmethod
+    def fits(cls, world: Params) -> bool:
+        """Where nobody tells a position."""
+        return world.interface.track == "range"
 
     @property
     def columns(self) -> int:

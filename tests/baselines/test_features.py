@@ -12,7 +12,7 @@ from rss_gym.baselines.features.approach import NEAR_M, TIME_MAX_S, Approach
 from rss_gym.baselines.features.masks import MASKS, kept
 from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.core import Batch
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 
 WORLDS = {
     "plane": Params(),
@@ -67,7 +67,7 @@ def test_none_adds_nothing(world):
 def test_columns_stand_behind_the_observation(world):
     rows = flown(world, decisions=5)
     stacked = np.concatenate([np.full_like(rows, 0.5), rows], axis=1)
-    for kind in FEATURES:
+    for kind in [name for name, features in FEATURES.items() if features.fits(world)]:
         appended, known = append(FEATURES[kind](world), rows), names(kind, world)
         assert appended.dtype == np.float32 and appended.shape[1] == rows.shape[1] + len(known)
         assert len(set(known)) == len(known)
@@ -215,3 +215,8 @@ def test_masks_take_away_what_they_name(world, zeroed):
     assert bool(gone) == (zeroed != "nothing")
     assert ("intruder_0.message_valid" in gone) == (zeroed == "radio")
     np.testing.assert_array_equal(kept(zeroed, world, 3), np.tile(kept(zeroed, world), 3))
+
+
+def test_features_that_do_not_fit_are_refused():
+    with pytest.raises(ParamsError, match="'sides' cannot be computed in this world: they need track 'range'"):
+        names("sides", Params())

@@ -119,6 +119,7 @@ def test_stages():
         ({"policy.lstm_hidden_size": 8}, ["[policy]", "'lstm_hidden_size'"]),
         ({"policy.features": "aproach"}, ["[policy]", "'aproach'", "did you mean 'approach'"]),
         ({"policy.features": ["approach"]}, ["[policy]", "features", "known: approach, none, sides"]),
+        ({"policy.features": "sides"}, ["'sides'", "track 'range'"]),
         ({"imitation.policy": 3}, ["[imitation]", "policy", "3"]),
         ({"imitation.policy": "orka"}, ["[imitation]", "'orka'", "did you mean 'orca'"]),
         ({"imitation.policy": "mpc:radius=3"}, ["[imitation]", "'radius'", "did you mean 'radius_m'"]),
