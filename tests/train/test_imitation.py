@@ -143,7 +143,7 @@ def test_a_run_that_goes_on_does_not_imitate_again(changes, tmp_path, capsys, mo
     class Killed(BaseException):
         pass
 
-    def killed(*_):
+    def killed(*_, **__):
         raise Killed
 
     with monkeypatch.context() as patch:
