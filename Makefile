@@ -9,14 +9,14 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test lint bench table clean
+.PHONY: help setup demo test lint bench table bars clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
 
 setup: .venv/.done ## create .venv with everything the other targets need
 
-demo: .venv/.base ## fly the rule of the paper beside others and doing nothing, and print the scores
+demo: .venv/.base ## fly the rule of the paper beside others and learned agents, and print the scores (1-2 minutes)
 	$(BIN)/rss-gym demo
 
 test: .venv/.done ## run all tests; skipped ones are listed with their reasons
@@ -33,6 +33,9 @@ bench: .venv/.bench ## step rates on one core, beside other environments
 
 table: .venv/.done ## fly the scripted rules and write their tables (an hour; goes on where it was interrupted)
 	$(BIN)/python docs/table.py
+
+bars: .venv/.done ## fly the shipped agents against the rules by docs/bars.toml (half an hour; goes on likewise)
+	$(BIN)/python docs/bars.py
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -1,9 +1,9 @@
 """Policies behind one protocol, SB3's `predict`.
 
-Learned ones go by their folder, `make("runs/ppo/agent", params)`, scripted ones by name; a new one is one file and one
-line in `POLICIES`. A name is a rule and, if wanted, the track it flies on and options: `orca`,
-`orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME. On track `range` a rule that
-reads positions flies on those of the range-only filter.
+Scripted ones go by name; a new one is one file and one line in `POLICIES`. So do the learned ones that are shipped,
+`AGENTS`; others go by their folder, `make("runs/ppo/agent", params)`. A name is a rule and, if wanted, the track it
+flies on and options: `orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME.
+On track `range` a rule that reads positions flies on those of the range-only filter.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from rss_gym.baselines import shipped
 from rss_gym.baselines.agent import DOCUMENT, Agent, load
 from rss_gym.baselines.blind import Blind, Climb, Constant
 from rss_gym.baselines.cbf import Cbf
@@ -25,9 +26,22 @@ from rss_gym.baselines.orthogonal import Orthogonal
 from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
 from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.baselines.reflexes import Brake, RightTurn
+from rss_gym.baselines.shipped import AGENTS
 from rss_gym.params import Params, ParamsError, Track, suggestion
 
-__all__ = ["POLICIES", "Parsed", "Policy", "able", "describe", "is_code", "is_folder", "is_known", "make", "parse"]
+__all__ = [
+    "AGENTS",
+    "POLICIES",
+    "Parsed",
+    "Policy",
+    "able",
+    "describe",
+    "is_code",
+    "is_folder",
+    "is_known",
+    "make",
+    "parse",
+]
 
 PICKLED = (".zip", ".pkl", ".pt", ".pth")  # files whose reading runs code from them
 
@@ -57,7 +71,7 @@ class Parsed:
     Parameters
     ----------
     rule : str
-        A name of `POLICIES`.
+        A name of `POLICIES` or `AGENTS`.
     track : str or None
         What stands after `@`.
     options : dict
@@ -78,12 +92,13 @@ class Parsed:
 
 
 def is_known(spec: str) -> bool:
-    """Whether the specification starts with a name of `POLICIES`."""
-    return re.split("[:@+]", spec, maxsplit=1)[0] in POLICIES
+    """Whether the specification starts with a name of `POLICIES` or `AGENTS`."""
+    name = re.split("[:@+]", spec, maxsplit=1)[0]
+    return name in POLICIES or name in AGENTS
 
 
 def is_folder(spec: str) -> bool:
-    """Whether a specification is the folder of a learned policy; one that starts with a name of `POLICIES` never is."""
+    """Whether a specification is the folder of a learned policy; one that starts with a known name never is."""
     # os.path never raises for a name that is too long.
     return not is_known(spec) and os.path.isfile(os.path.join(spec, DOCUMENT))
 
@@ -101,16 +116,16 @@ def parse(spec: str) -> Parsed:
     ParamsError
         For an unknown name, track or option, an option given twice, or a value that is not a number.
     """
-    own, _, base = re.sub(r"\+(?=[A-Za-z])", "\n", spec, count=1).partition("\n")  # not the plus of 1e+2
+    own, _, base = re.sub(r"(?<!=)\+(?=[A-Za-z./])", "\n", spec, count=1).partition("\n")  # not that of 1e+2
     head, _, text = own.partition(":")
     rule, at, track = head.partition("@")
-    if rule not in POLICIES:
-        raise ParamsError(f"policy {rule!r} is unknown{suggestion(rule, POLICIES)}")
+    if rule not in POLICIES and rule not in AGENTS:
+        raise ParamsError(f"policy {rule!r} is unknown{suggestion(rule, [*POLICIES, *AGENTS])}")
     if at and track not in get_args(Track):
         raise ParamsError(f"policy {spec!r}: track {track!r} is unknown{suggestion(track, get_args(Track))}")
     if base and (rule != FILTER or at):
         raise ParamsError(f"policy {spec!r}: only {FILTER!r} goes round another policy, and flies on the track of that")
-    known, options = list(_options(POLICIES[rule])), dict[str, float]()
+    known, options = list(_options(POLICIES[rule])) if rule in POLICIES else [], dict[str, float]()
     for item in filter(None, text.split(",")):
         key, equals, value = item.partition("=")
         key = key.strip()
@@ -134,7 +149,8 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
     Parameters
     ----------
     spec : str
-        Names of `POLICIES` with tracks and options, all numbers in SI; or a folder with `policy.json`.
+        Names of `POLICIES` with tracks and options, all numbers in SI; a name of `AGENTS`; or a folder with
+        `policy.json`.
     params : Params, optional
         The world; the policy's own `world` is this with the interface that the policy declares. Without `@track` it
         flies on the world's track if it can.
@@ -143,7 +159,7 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
     ------
     ParamsError
         For what `parse` or `rss_gym.baselines.agent.load` refuses, an option out of range, a track or a plane that the
-        rule cannot fly in, or a contradiction with the world.
+        policy cannot fly in, or a contradiction with the world.
     """
     if is_folder(spec):
         return load(spec, params)
@@ -153,6 +169,8 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
             "`rss-gym export` and name that"
         )
     parsed = parse(spec)
+    if parsed.rule in AGENTS:
+        return shipped.make(parsed.rule, params, parsed.track)
     kind, world = POLICIES[parsed.rule], Params.of(params)
     base = make(parsed.base, world) if parsed.base else None
     track = parsed.track or (base.world if base else world).interface.track
@@ -185,12 +203,14 @@ def _options(kind: type[Scripted]) -> dict[str, Any]:
 def able(world: Params) -> list[str]:
     """Names of all that can fly in this world, on its track, at their defaults."""
     track, planar = world.interface.track, world.encounter.planar
-    return [name for name, kind in POLICIES.items() if track in kind.tracks and not (kind.in_space and planar)]
+    rules = [name for name, kind in POLICIES.items() if track in kind.tracks and not (kind.in_space and planar)]
+    return rules + [name for name in AGENTS if shipped.fits(name, world)]
 
 
 def describe() -> dict[str, dict[str, Any]]:
     """Name -> summary and options with their defaults, for listings."""
-    return {
+    rules = {
         name: {"summary": (kind.__doc__ or "").strip().splitlines()[0], "options": _options(kind)}
         for name, kind in POLICIES.items()
     }
+    return rules | {name: {"summary": shipped.summary(name), "options": {}} for name in AGENTS}

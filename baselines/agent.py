@@ -17,6 +17,7 @@ import numpy as np
 
 from rss_gym import observation
 from rss_gym.baselines.features import FEATURES, append, names
+from rss_gym.baselines.features.masks import MASKS, kept
 from rss_gym.baselines.network import ACTIVATIONS, feed_forward, long_short_term
 from rss_gym.params import Params, ParamsError, suggestion
 
@@ -40,6 +41,8 @@ class Network:
         Observations of so many last decisions, oldest first, are the input; zero before the episode began.
     features : str
         What is computed from the newest observation and stands behind it, one of `rss_gym.baselines.features.FEATURES`.
+    zeroed : str
+        What the policy is flown without, one of `rss_gym.baselines.features.masks.MASKS`.
     lstm : int
         Units of a recurrent layer before the hidden ones; 0 without.
     squash : bool
@@ -52,6 +55,7 @@ class Network:
     activation: str = "tanh"
     stack: int = 1
     features: str = "none"
+    zeroed: str = "nothing"
     lstm: int = 0
     squash: bool = False
     clip: float = 0.0
@@ -97,7 +101,8 @@ class Agent:
         self, network: Network, tensors: dict[str, np.ndarray], world: Params, document: dict[str, Any], digest: str
     ) -> None:
         self.network, self.world, self.document, self.digest = network, world, document, digest
-        self._tensors = tensors
+        self._tensors, self._features = tensors, FEATURES[network.features](world)
+        self._kept = kept(network.zeroed, world)
         count = len(network.layers) + 1
         self._weights = tuple(tensors[f"{index}.weight"] for index in range(count))
         self._biases = tuple(tensors[f"{index}.bias"] for index in range(count))
@@ -125,33 +130,37 @@ class Agent:
         Returns
         -------
         actions, state
-            float32 (axes,) or (n, axes), and the memory: older observations, then the recurrent layer's state.
+            float32 (axes,) or (n, axes), and the memory: older observations, what the features remember, the recurrent
+            layer's state.
         """
         values = np.asarray(observation_, dtype=np.float64)
-        rows = np.atleast_2d(values)
+        rows = np.atleast_2d(values) * self._kept
         older = rows.shape[1] * (self.network.stack - 1)
-        columns = older + 2 * self.network.lstm
+        known = older + self._features.columns
+        columns = known + 2 * self.network.lstm
         memory = np.zeros((len(rows), columns)) if state is None else np.array(state, dtype=np.float64)
         if episode_start is not None:
             memory[np.broadcast_to(np.asarray(episode_start, bool), len(rows))] = 0.0
         inputs = np.concatenate([memory[:, :older], rows], axis=1)
         memory[:, :older] = inputs[:, rows.shape[1] :]
-        inputs = append(self.network.features, inputs, self.world)
+        told = np.ascontiguousarray(memory[:, older:known])
+        inputs = append(self._features, inputs, told)
+        memory[:, older:known] = told
         if self.network.clip:
             inputs = (inputs - self._tensors["mean"]) / self._tensors["std"]
             inputs = np.clip(inputs, -self.network.clip, self.network.clip)
         if self.network.lstm:
-            recurrent, hidden = np.ascontiguousarray(memory[:, older:]), np.empty((len(rows), self.network.lstm))
+            recurrent, hidden = np.ascontiguousarray(memory[:, known:]), np.empty((len(rows), self.network.lstm))
             w_input, w_hidden = self._tensors["lstm.input"], self._tensors["lstm.hidden"]
             long_short_term(w_input, w_hidden, self._tensors["lstm.bias"], inputs, recurrent, hidden)
-            memory[:, older:], inputs = recurrent, hidden
+            memory[:, known:], inputs = recurrent, hidden
         outputs = np.empty((len(rows), len(self._biases[-1])))
         feed_forward(self._weights, self._biases, self._activations, np.ascontiguousarray(inputs), outputs)
         actions = np.clip(outputs, -1.0, 1.0).astype(np.float32)
         return (actions if values.ndim > 1 else actions[0]), memory
 
 
-def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
+def load(folder: str | os.PathLike[str], params: Params | None = None, called: str | None = None) -> Agent:
     """The policy in a folder, for a world.
 
     Parameters
@@ -160,6 +169,8 @@ def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
         With `policy.json` and `policy.safetensors`.
     params : Params, optional
         The world; the agent's own `world` is this with the interface of the agent.
+    called : str, optional
+        What an error calls the policy; default: its folder.
 
     Raises
     ------
@@ -181,7 +192,7 @@ def load(folder: str | os.PathLike[str], params: Params | None = None) -> Agent:
             )
         tensors = _tensors(blob, network.shapes(world))
     except ParamsError as error:
-        raise ParamsError(f"policy folder {os.fspath(folder)!r}: {error}") from error
+        raise ParamsError(f"{called or f'policy folder {os.fspath(folder)!r}'}: {error}") from error
     return Agent(network, tensors, world, document, hashlib.sha256(text + blob).hexdigest())
 
 
@@ -232,7 +243,7 @@ def _network(table: dict[str, Any]) -> Network:
     for name, value, low, high in bounds:
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise ParamsError(f"{where}: {name} must be a whole number in [{low}, {high}], got {value!r}"[:300])
-    for name, known in (("activation", ACTIVATIONS), ("features", FEATURES)):
+    for name, known in (("activation", ACTIVATIONS), ("features", FEATURES), ("zeroed", MASKS)):
         value = table[name]
         if not isinstance(value, str) or value not in known:
             raise ParamsError(f"{where}: {name} {value!r} is unknown{suggestion(str(value), known)}"[:300])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +14,14 @@ from rss_gym.params import Params, ParamsError
 LOCALISED_STD_M = 7.5
 
 
-def vectors(seen: dict[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
-    """The components along, right and up of a named vector as one array, shape (..., 3); a missing `up` is zero."""
+def vectors(seen: Mapping[str, Any], stem: str, unit: str, xp: Any = np) -> Any:
+    """The components along, right and up of a named vector as one array, shape (..., 3); a missing `up` is zero.
+
+    `xp` is the arrays' namespace, numpy or torch.
+    """
     first = seen[f"{stem}_along_{unit}"]
-    up = seen.get(f"{stem}_up_{unit}", np.zeros_like(first))
-    return np.stack([first, seen[f"{stem}_right_{unit}"], up], axis=-1)
+    up = seen.get(f"{stem}_up_{unit}", xp.zeros_like(first))
+    return xp.stack([first, seen[f"{stem}_right_{unit}"], up], -1)
 
 
 def check_radius(radius_m: float, world: Params) -> None:

@@ -22,9 +22,15 @@ def sigmoid(x):
 @inner
 def dense(weight, bias, x, y):
     """Y = x W + b for one row; `weight` (inputs, outputs)."""
+    inputs = weight.shape[0]
+    whole = inputs - inputs % 4
     for j in range(len(bias)):
         y[j] = bias[j]
-    for i in range(weight.shape[0]):
+    for i in range(0, whole, 4):  # four at a time: y is read and written a quarter as often, its sums keep their order
+        a, b, c, d = x[i], x[i + 1], x[i + 2], x[i + 3]
+        for j in range(len(bias)):
+            y[j] = y[j] + a * weight[i, j] + b * weight[i + 1, j] + c * weight[i + 2, j] + d * weight[i + 3, j]
+    for i in range(whole, inputs):
         value = x[i]
         for j in range(len(bias)):
             y[j] += value * weight[i, j]

@@ -181,6 +181,22 @@ class RangeOnly(Scripted):
         )
         return out
 
+    @staticmethod
+    def probable(sides: np.ndarray) -> np.ndarray:
+        """The more probable side of each intruder, (n, K, 6), of what `sides` returns."""
+        chosen = sides[..., PROBABILITY].argmax(axis=-1)
+        return np.take_along_axis(sides, chosen[..., None, None], axis=-2)[..., 0, :]
+
+    @staticmethod
+    def placed(seen: dict[str, np.ndarray], side: np.ndarray) -> dict[str, np.ndarray]:
+        """What is seen, with positions as if a message told them now; `side` as of `probable`."""
+        return seen | {
+            "message_age_s": np.zeros_like(seen["message_age_s"]),  # the banks fly on to now
+            "message_position_along_m": side[..., ALONG],
+            "message_position_right_m": side[..., RIGHT],
+            "message_position_std_m": np.sqrt(0.5 * (side[..., ALONG_ALONG] + side[..., RIGHT_RIGHT])),
+        }
+
     def banks_of(self, memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Heading of the leg (n, 2) and the banks (n, K, hypotheses, columns), in the axes of the first leg."""
         contacts = memory[:, ROW : self._first].reshape(len(memory), -1, WIDTH)
@@ -189,16 +205,8 @@ class RangeOnly(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """The rule's action on the more probable side."""
-        sides = self.sides(seen, memory)
-        chosen = sides[..., PROBABILITY].argmax(axis=-1)
-        side = np.take_along_axis(sides, chosen[..., None, None], axis=-2)[..., 0, :]
-        filled = seen | {
-            "message_age_s": np.zeros_like(seen["message_age_s"]),  # the banks fly on to now
-            "message_position_along_m": side[..., ALONG],
-            "message_position_right_m": side[..., RIGHT],
-            "message_position_std_m": np.sqrt(0.5 * (side[..., ALONG_ALONG] + side[..., RIGHT_RIGHT])),
-        }
+        placed = self.placed(seen, self.probable(self.sides(seen, memory)))
         rule_memory = memory[:, self._first :].copy()
-        actions = self.rule.act(filled, rule_memory)
+        actions = self.rule.act(placed, rule_memory)
         memory[:, self._first :] = rule_memory
         return actions

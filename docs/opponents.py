@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.records import SCORES, versions
@@ -75,40 +76,70 @@ def by_family(families: dict[str, dict[str, Row]]) -> str:
     return table(["policy", "encounters each", *families], lines)
 
 
-def chart(tracks: dict[str, dict[str, list[Row]]], none: dict[str, Row]) -> str:
-    """An SVG of its own: collisions over deviation along the curve of each rule, a panel a track."""
-    rules = list(dict.fromkeys(rule for curves in tracks.values() for rule in curves))
-    label = "Collision rate over mean deviation of each rule at several settings, on each track"
-    with figure.figure(label, columns=len(tracks), width_in=11.0, height_in=4.6, sharey=True) as drawing:
-        for axes, (track, curves) in zip(drawing.axes, tracks.items(), strict=True):
+def chart(
+    panels: dict[str, dict[str, list[Row]]],
+    none: dict[str, Row],
+    single: dict[str, list[Row]] | None = None,
+    title: str = "track {}",
+    label: str = "Collision rate over mean deviation of each rule at several settings, on each track",
+) -> str:
+    """An SVG of its own: collisions over deviation along the curve of each rule, a panel a track.
+
+    Parameters
+    ----------
+    panels : dict
+        Panel -> rule -> settings along its curve.
+    none : dict
+        Panel -> the row of `none`.
+    single : dict, optional
+        Panel -> rows that no line joins: an agent's seeds.
+    title : str
+        Of a panel, with {} for its name.
+    label : str
+        What it shows, for readers who do not see it.
+    """
+    rules = list(dict.fromkeys(rule for curves in panels.values() for rule in curves))
+    with figure.figure(label, columns=len(panels), width_in=11.0, height_in=4.6, sharey=True, squeeze=False) as drawing:
+        grid = drawing.axes[0]
+        for axes, (panel, curves) in zip(grid, panels.items(), strict=True):
             for rule, rows in curves.items():
                 index = rules.index(rule)
-                colour, marker = figure.COLOURS[index], MARKERS[index]
-                deviation = [row.metrics["path_deviation_mean_m"].value for row in rows]
-                rates = [row.metrics["collision_rate"] for row in rows]
-                # Without a collision the point is the upper end of the interval, hollow.
-                heights = [rate.value or rate.high for rate in rates]
-                ends = [
-                    [height - (rate.low or height) for height, rate in zip(heights, rates, strict=True)],
-                    [rate.high - height for height, rate in zip(heights, rates, strict=True)],
-                ]
-                axes.errorbar(deviation, heights, ends, color=colour, linewidth=1.2, elinewidth=0.8, label=rule)
-                for x, height, rate in zip(deviation, heights, rates, strict=True):
-                    axes.plot(x, height, marker, color=colour, markersize=4, fillstyle="full" if rate.value else "none")
-            rate, path = (none[track].metrics[name] for name in ("collision_rate", "path_deviation_mean_m"))
+                _draw(axes, rows, figure.COLOURS[index], MARKERS[index], rule, linewidth=1.2)
+            if single and single.get(panel):
+                _draw(axes, single[panel], figure.INK, "h", "agents, each seed", linestyle="none")
+            rate, path = (none[panel].metrics[name] for name in ("collision_rate", "path_deviation_mean_m"))
             axes.plot(path.value, rate.value, "*", color=figure.NOMINAL, markersize=8, label="none")
-            axes.set(title=f"track {track}", xlabel="mean deviation, m", xscale="log", yscale="log")
+            axes.set(title=title.format(panel), xlabel="mean deviation, m", xscale="log", yscale="log")
             axes.set_xticks(TICKS_M, [f"{tick}" for tick in TICKS_M])
             axes.minorticks_off()
-        drawing.axes[0].set_ylabel("collisions per encounter")
+        grid[0].set_ylabel("collisions per encounter")
         handles = {}
-        for axes in drawing.axes:
+        for axes in grid:
             handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-        drawing.axes[0].figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+        grid[0].figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+    return picture(drawing)
+
+
+def picture(drawing: figure.Drawing) -> str:
+    """A figure of a page as an SVG of its own, with the page's colours."""
     svg = re.sub(r"</?figure[^>]*>", "", drawing.markup)
-    # The page's colours, as far as a picture needs them.
     style = (page.FOLDER / "style.css").read_text(encoding="utf-8").partition(".nominal")[0]
     return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
+
+
+def _draw(axes: Any, rows: list[Row], colour: str, marker: str, label: str, **line: Any) -> None:
+    """Points with their intervals, hollow at the upper end of it where there was no collision."""
+    deviation = [row.metrics["path_deviation_mean_m"].value for row in rows]
+    rates = [row.metrics["collision_rate"] for row in rows]
+    heights = [rate.value or rate.high for rate in rates]
+    ends = [
+        [height - (rate.low or height) for height, rate in zip(heights, rates, strict=True)],
+        [rate.high - height for height, rate in zip(heights, rates, strict=True)],
+    ]
+    axes.errorbar(deviation, heights, ends, color=colour, elinewidth=0.8, **line)
+    axes.plot([], [], marker=marker, color=colour, markersize=4, label=label, **line)  # for the legend
+    for x, height, rate in zip(deviation, heights, rates, strict=True):
+        axes.plot(x, height, marker, color=colour, markersize=4, fillstyle="full" if rate.value else "none")
 
 
 def put(path: Path, name: str, text: str) -> None:
@@ -118,7 +149,7 @@ def put(path: Path, name: str, text: str) -> None:
     write_text(path, re.sub(marked, lambda found: found[1] + text + found[2], content, flags=re.DOTALL))
 
 
-def made() -> str:
+def made(target: str = "table", where: str = "Split `suite`, seed 0; ") -> str:
     """By what, as a sentence."""
     used = ", ".join(f"{name} {number}" for name, number in versions().items())
-    return f"Split `suite`, seed 0; 95 % intervals in brackets; made by `make table` with {used}."
+    return f"{where}95 % intervals in brackets; made by `make {target}` with {used}."

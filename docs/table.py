@@ -8,16 +8,16 @@ a rule.
 import argparse
 import hashlib
 import json
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import flights
 import opponents
 
 from rss_gym.baselines import POLICIES
 from rss_gym.encounters import FAMILIES
-from rss_gym.eval import evaluate, records
+from rss_gym.eval import Result, evaluate
 from rss_gym.eval.suites import find
 from rss_gym.files import write_text
 from rss_gym.pages.figure import require_figures
@@ -108,6 +108,10 @@ class Job:
         """Time that it takes, in flights."""
         return self.flights * (SLOW_COST if self.slow else 1)
 
+    def evaluate(self) -> Result:
+        """Fly them all."""
+        return evaluate(self.policies, self.suite, self.episodes, SEED, WORKERS, progress=False, **self.changes)
+
 
 def spec(rule: str, curve: Curve, value: float) -> str:
     """The policy at one setting."""
@@ -162,24 +166,6 @@ def jobs(shrink: int) -> list[Job]:
     return out
 
 
-def fly(todo: list[Job]) -> None:
-    """Fly the jobs that are not yet in their folders; the time left is that of the flights left."""
-    left = [job for job in todo if not job.folder.exists()]
-    print(f"{len(todo)} jobs, {len(todo) - len(left)} of them flown before", flush=True)
-    start, done, total = time.monotonic(), 0, sum(job.cost for job in left)
-    for number, job in enumerate(left, 1):
-        begun = time.monotonic()
-        result = evaluate(job.policies, job.suite, job.episodes, SEED, WORKERS, progress=False, **job.changes)
-        records.save(result, job.folder)
-        now, done = time.monotonic(), done + job.cost
-        minutes = (now - start) / 60.0
-        print(
-            f"{number}/{len(left)} {job.name}: {job.flights} flights, {job.flights / (now - begun):.0f} a second; "
-            f"{minutes:.1f} min, about {minutes * (total - done) / done:.0f} left",
-            flush=True,
-        )
-
-
 def pages(todo: list[Job]) -> tuple[str, str, str]:
     """From the records of the jobs: the README's table, those of docs/opponents.md, the chart."""
     found = {job.name: opponents.read(job.folder) for job in todo}
@@ -212,7 +198,7 @@ def main() -> None:
     options = parser.parse_args()
     require_figures()
     todo = jobs(options.shrink)
-    fly(todo)
+    flights.fly(todo)
     readme, tables, drawn = pages(todo)
     if options.shrink > 1:
         print(tables)

@@ -68,7 +68,7 @@ def evaluate(
     ----------
     policy : str, object, or a list of these
         See `rss_gym.eval.policies.entry`; a loaded SB3 model will do. A dict gives names; `all` stands for every
-        scripted policy that can fly in the world, at its defaults.
+        policy of the package that can fly in the world, at its defaults.
     suite : str or Suite
         What is flown.
     episodes, seed : int, optional

@@ -15,7 +15,7 @@ from math import fsum, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.special import bdtr, betainccinv, betaincinv, gammainccinv, gammaincinv, ndtr, ndtri, stdtrit
+from scipy.special import bdtr, betainccinv, betaincinv, gammainccinv, gammaincinv, ndtr, ndtri, stdtr, stdtrit
 
 CONFIDENCE = 0.95
 
@@ -333,6 +333,26 @@ def mcnemar_exact(only_a: int, only_b: int) -> float:
     McNemar, Psychometrika 12 (1947) 153; the exact conditional form.
     """
     return min(1.0, 2.0 * float(bdtr(min(only_a, only_b), int(only_a) + int(only_b), 0.5)))
+
+
+def mean_zero_t(x: np.ndarray) -> float:
+    """Two-sided p-value of a mean of zero, Student's t test; with pairs, of their differences.
+
+    Without scatter it is 1 for zeros and 0 otherwise, for fewer than two values 1.
+
+    References
+    ----------
+    Student, "The probable error of a mean", Biometrika 6 (1908) 1.
+    """
+    values = np.asarray(x, dtype=np.float64)
+    n = len(values)
+    if n < 2:
+        return 1.0
+    mean = fsum(values.tolist()) / n
+    error = sqrt(fsum(((values - mean) ** 2).tolist()) / (n - 1) / n)
+    if error == 0.0:
+        return 1.0 if mean == 0.0 else 0.0
+    return 2.0 * float(stdtr(n - 1, -abs(mean) / error))
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

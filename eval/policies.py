@@ -32,7 +32,7 @@ class Entry:
 
 
 def identity(spec: str, policy: Any) -> str:
-    """The specification with a learned policy's digest in place of its folder, alone or inside `cbf+`."""
+    """The specification with a learned policy's digest in place of its folder or name, alone or inside `cbf+`."""
     if isinstance(policy, Agent):
         return policy.digest
     inside = baselines.parse(spec).base if baselines.is_known(spec) else None
@@ -45,8 +45,9 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     Parameters
     ----------
     policy : str or object
-        A name of `rss_gym.baselines.POLICIES` with options, the folder of a learned policy, `module:attribute` (an
-        object with `predict`, or a function that takes the `Params` and returns one), or an object with `predict`.
+        A name of `rss_gym.baselines.POLICIES` with options or of `AGENTS`, the folder of a learned policy,
+        `module:attribute` (an object with `predict`, or a function that takes the `Params` and returns one), or an
+        object with `predict`.
     world : Params
         The suite's world.
 
@@ -59,7 +60,7 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
     if isinstance(policy, str):
         if name is None and baselines.is_folder(policy):
-            name = _folder_name(policy)
+            name = folder_name(policy)
         policy = _imported(policy, world) if baselines.is_code(policy) else baselines.make(policy, world)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
@@ -74,7 +75,7 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     return Entry(name or spec, spec, policy, world)
 
 
-def _folder_name(spec: str) -> str:
+def folder_name(spec: str) -> str:
     """The last part of the path that says more than where a run keeps its agent."""
     path = Path(spec).resolve()
     return path.parent.name if path.name == "agent" and path.parent.name else path.name

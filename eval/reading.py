@@ -27,6 +27,7 @@ from rss_gym.encounters import chosen
 from rss_gym.eval.evaluate import NAME_MAX, is_name
 from rss_gym.eval.metrics import METRICS, Estimate
 from rss_gym.eval.records import SCHEMA, SCORES, TABLES, table_digest
+from rss_gym.eval.road.suites import SUITES as ROADS
 from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL
 from rss_gym.params import Params, ParamsError, Track, suggestion
@@ -170,6 +171,9 @@ def load(folder: str | os.PathLike[str]) -> Record:
     if not root.is_dir():
         raise RecordError(f"{str(folder)!r} is not a folder; a record is a folder with a {SCORES}")
     content = parse(_read(file, SCORES_BYTES_MAX), str(file))
+    suite = content.get("suite") if isinstance(content, dict) else None
+    if isinstance(suite, str) and suite in ROADS:
+        raise RecordError(f"{file}: suite {suite!r} is of a road, whose records are neither flown again nor ranked")
     fields = _checked(str(file), "", content, _RECORD)
     params, families = _params(str(file), fields["params"])
     if fields["families"] != families:

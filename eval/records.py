@@ -23,10 +23,10 @@ SCORES, TABLES = "scores.json", "tables"
 SCHEMA = 1  # raised when fields of scores.json or columns of the tables change
 
 
-def versions() -> dict[str, str]:
-    """Versions of everything that the numbers could depend on."""
+def versions(*more: str) -> dict[str, str]:
+    """Versions of everything that the numbers could depend on, `more` packages among them."""
     found = {"python": platform.python_version(), "machine": platform.machine()}
-    for name in ("rss-gym", "numpy", "numba", "scipy", "gymnasium"):
+    for name in ("rss-gym", "numpy", "numba", "scipy", "gymnasium", *more):
         try:
             found[name] = version(name)
         except PackageNotFoundError:
@@ -66,7 +66,7 @@ def document(result: Result, policies: list[dict[str, Any]]) -> dict[str, Any]:
         "reference": result.reference,
         "families": result.suite.families,
         "params": result.suite.params.to_dict(),
-        "versions": versions(),
+        "versions": versions(*result.suite.packages),
         "policies": policies,
     }
 

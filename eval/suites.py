@@ -10,7 +10,7 @@ import dataclasses
 import hashlib
 import json
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from rss_gym import encounters
 from rss_gym.params import Params, ParamsError, suggestion
@@ -38,6 +38,8 @@ class Suite:
     episodes: int = 100_000
     split: str = "suite"
     seed: int = 0
+
+    packages: ClassVar[tuple[str, ...]] = ()  # that the numbers depend on beside those of every suite
 
     @property
     def families(self) -> list[str]:

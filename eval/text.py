@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import Estimate
 
@@ -23,11 +25,11 @@ def cell(estimate: Estimate, scale: float, form: str) -> str:
     return f"{text} [{format(estimate.low * scale, form)}, {format(estimate.high * scale, form)}]"
 
 
-def table(result: Result) -> str:
-    """One line a policy: the main metrics with their 95 % intervals."""
-    rows = [["policy", "track", *(title for title, _, _ in COLUMNS.values())]]
+def table(result: Result, columns: Mapping[str, tuple[str, float, str]] = COLUMNS) -> str:
+    """One line a policy: the metrics of `columns` (title, factor, format) with their 95 % intervals."""
+    rows = [["policy", "track", *(title for title, _, _ in columns.values())]]
     for scored in result.policies:
-        cells = [cell(scored.metrics[name], scale, form) for name, (_, scale, form) in COLUMNS.items()]
+        cells = [cell(scored.metrics[name], scale, form) for name, (_, scale, form) in columns.items()]
         rows.append([scored.entry.name, scored.entry.world.interface.track, *cells])
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]

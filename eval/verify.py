@@ -218,7 +218,7 @@ def entries_of(
         if built.hash != policy.hash:
             found.append(Difference(policy.name, "hash", policy.hash, built.hash))
             if isinstance(built.policy, Agent):
-                missing[policy.name] = f"the folder {policy.spec!r} holds another policy than the one that was recorded"
+                missing[policy.name] = f"{policy.spec!r} is not the policy that was recorded"
                 continue
         entries.append(built)
         if built.world.interface.track != policy.track:

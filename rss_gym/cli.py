@@ -11,17 +11,6 @@ from collections.abc import Sequence
 from typing import Any
 
 DEMO_EPISODES = 10_000
-DEMO_REFERENCE = "orthogonal:radius_m=60"  # the replays show each policy beside it
-DEMO_POLICIES = (
-    "none",
-    *(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 80, 120)),
-    "orthogonal@oracle:radius_m=60",
-    "orca",
-    "cbf",
-    "mpc",
-    "constant:right_m=30",
-    "blind",
-)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -62,17 +51,22 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--policy",
         nargs="+",
+        action="extend",
         required=True,
         metavar="NAME",
-        help="such as none orthogonal:radius_m=60; all for every scripted one",
+        help="such as none orthogonal:radius_m=60; all for every one that can fly there",
     )
-    command.add_argument("--suite", default="encounter-v0")
+    command.add_argument("--suite", default="encounter-v0", help="see rss-gym list; highway-v0 and others are roads")
     command.add_argument("--episodes", type=int, help="default: the suite's")
     command.add_argument("--seed", type=int, help="default: the suite's")
-    command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
-    command.add_argument("--track", nargs="+", help="oracle, paper or range; several give a folder each in DIR")
+    command.add_argument(
+        "--channel", nargs="+", action="extend", metavar="PRESET|FILE", help="channel, or several to draw from"
+    )
+    command.add_argument(
+        "--track", nargs="+", action="extend", help="oracle, paper or range; several give a folder each in DIR"
+    )
     command.add_argument("--estimator", help="ekf-coloured, ekf-white or ls")
-    command.add_argument("--families", nargs="+")
+    command.add_argument("--families", nargs="+", action="extend")
     command.add_argument("--workers", type=int, default=1)
     command.add_argument("--reference", metavar="NAME", help="policy that completed-only figures are compared with")
     command.add_argument("--out", required=True, metavar="DIR", help="new folder for scores and tables")
@@ -100,11 +94,17 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--steps", type=int, help="decisions of one seed, over all rows")
     command.add_argument("--seeds", type=int, help="trainings that differ in their seed only; default: 1")
     command.add_argument("--workers", type=int, default=1, help="processes, each with one seed at a time")
-    command.add_argument("--channel", nargs="+", metavar="PRESET|FILE", help="channel, or several to draw from")
+    command.add_argument(
+        "--channel", nargs="+", action="extend", metavar="PRESET|FILE", help="channel, or several to draw from"
+    )
     command.add_argument("--track", help="oracle, paper or range")
     command.add_argument("--resume", metavar="RUN", help="go on with the run in this folder from its checkpoints")
     command.add_argument(
-        "--set", nargs="+", metavar="KEY=VALUE", help="such as algorithm.learning_rate=3e-4 world.comfort_m=30"
+        "--set",
+        nargs="+",
+        action="extend",
+        metavar="KEY=VALUE",
+        help="such as algorithm.learning_rate=3e-4 world.comfort_m=30",
     )
     command.add_argument("--out", metavar="RUN", help="new folder for the run")
     command.set_defaults(run=_train)
@@ -113,15 +113,24 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of SB3")
     command.add_argument("--out", required=True, metavar="DIR", help="new folder for the policy")
     command.add_argument("--env", help="the id the .zip was trained in; default: rss_gym/Encounter-v0")
-    command.add_argument("--algorithm", help="ppo, recurrent-ppo or sac; default: what the .zip looks like")
+    command.add_argument("--algorithm", help="pathwise, ppo, recurrent-ppo or sac; default: what the .zip looks like")
     command.add_argument(
-        "--set", nargs="+", metavar="KEY=VALUE", help="parameters of the world of the .zip, such as intruders=2"
+        "--set",
+        nargs="+",
+        action="extend",
+        metavar="KEY=VALUE",
+        help="parameters of the world of the .zip, such as intruders=2",
     )
     command.set_defaults(run=_export)
     command = commands.add_parser("calibrate", help="a channel from radio logs, with range errors on a test")
     command.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
     command.add_argument(
-        "--test", nargs="+", default=[], metavar="TEST", help="logs to test on; default: the last third of each record"
+        "--test",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="TEST",
+        help="logs to test on; default: the last third of each record",
     )
     command.add_argument("--format", default="csv", help="csv or mavlink")
     command.add_argument("--columns", default="", metavar="t=..,rss=..,dist=..", help="names of a table's columns")
@@ -137,7 +146,7 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(run=_paper)
 
     command = commands.add_parser(
-        "demo", help="the rule of the paper over its radius, beside other rules and doing nothing"
+        "demo", help="the rule of the paper over its radius beside other rules and learned agents, on two channels"
     )
     command.add_argument("--episodes", type=int, default=DEMO_EPISODES)
     command.add_argument("--workers", type=int, default=2)
@@ -162,7 +171,6 @@ def _list(options: argparse.Namespace) -> None:
 
 def _eval(options: argparse.Namespace) -> None:
     from rss_gym.eval import records, report, text
-    from rss_gym.eval.evaluate import check
     from rss_gym.files import check_new, new_folder
     from rss_gym.params import ParamsError
 
@@ -178,7 +186,7 @@ def _eval(options: argparse.Namespace) -> None:
         results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
     else:
         for track in tracks:  # before hours are flown on the first
-            check(options.policy, options.suite, options.reference, **changes, track=track)
+            _scorer(options).check(options.policy, options.suite, options.reference, **changes, track=track)
         with new_folder(out) as folder:
             results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
     if options.json:
@@ -186,17 +194,16 @@ def _eval(options: argparse.Namespace) -> None:
         several = {track: json.loads(content) for track, content in scores.items()}
         print(json.dumps(several, indent=1) if len(tracks) > 1 else scores[""].rstrip())
         return
+    columns = _scorer(options).COLUMNS if _is_road(options) else text.COLUMNS
     for track, result in results.items():
-        print(text.table(result))
+        print(text.table(result, columns))
         print(f"scores: {os.path.join(options.out, track, records.SCORES)}")
         print(f"report: {os.path.join(options.out, track, report.REPORT)}")
 
 
 def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
-    """Fly and save one record."""
-    from rss_gym.eval import evaluate, records, report
-
-    result = evaluate(
+    """Fly, or drive, and save one record."""
+    result = _scorer(options).evaluate(
         options.policy,
         suite=options.suite,
         episodes=options.episodes,
@@ -205,8 +212,26 @@ def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: 
         reference=options.reference,
         **changes,
     )
-    records.save(result, out, options.csv, report.write)
+    if _is_road(options):
+        _scorer(options).save(result, out, options.csv)
+    else:
+        from rss_gym.eval import records, report
+
+        records.save(result, out, options.csv, report.write)
     return result
+
+
+def _is_road(options: argparse.Namespace) -> bool:
+    from rss_gym.eval import road
+
+    return options.suite in road.SUITES
+
+
+def _scorer(options: argparse.Namespace) -> Any:
+    """The module with `check` and `evaluate` for the suite."""
+    import importlib
+
+    return importlib.import_module("rss_gym.eval.road" if _is_road(options) else "rss_gym.eval.evaluate")
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -232,7 +257,7 @@ def _leaderboard(options: argparse.Namespace) -> None:
 
 def _train(options: argparse.Namespace) -> int:
     from rss_gym.params import ParamsError
-    from rss_gym.train import recipe, run
+    from rss_gym.train import recipe, road, run
 
     changes = recipe.parse_changes(options.set or [])
     short = {"recipe.env": options.env, "recipe.steps": options.steps}
@@ -244,14 +269,19 @@ def _train(options: argparse.Namespace) -> int:
                 shipped = ", ".join(recipe.recipes())
                 raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
             seeds = 1 if options.seeds is None else options.seeds
-            run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            if road.is_road(options.recipe):
+                road.start(road.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            else:
+                run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
         else:
             if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
                 raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")
             run.resume(options.resume, options.workers)
     except KeyboardInterrupt:
-        folder = options.resume or options.out
-        print(f"rss-gym: interrupted; go on with rss-gym train --resume {folder}", file=sys.stderr)
+        how = f"go on with rss-gym train --resume {options.resume or options.out}"
+        if options.resume is None and road.is_road(options.recipe):
+            how = "a training on a road is short and begins anew"
+        print(f"rss-gym: interrupted; {how}", file=sys.stderr)
         return 130
     return 0
 
@@ -331,20 +361,9 @@ def _see_modules_here() -> None:
 
 
 def _demo(options: argparse.Namespace) -> None:
-    from rss_gym.eval import evaluate, records, report, text
-    from rss_gym.files import check_new
+    from rss_gym import demo
 
-    out = options.out or _unused("runs/demo")
-    check_new(out)
-    print(
-        f"Flying {len(DEMO_POLICIES)} policies over the same {options.episodes} encounters on {options.workers} "
-        "processes.",
-        flush=True,
-    )
-    result = evaluate(DEMO_POLICIES, episodes=options.episodes, workers=options.workers, reference=DEMO_REFERENCE)
-    folder = records.save(result, out, page=report.write)
-    print(text.table(result))
-    print(f"report: {folder / report.REPORT}")
+    print(f"report: {demo.run(options.out or _unused('runs/demo'), options.episodes, options.workers)}")
 
 
 def _unused(stem: str) -> str:

@@ -1,7 +1,9 @@
 """Settings and fixtures for all tests."""
 
 import os
+import sys
 import warnings
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -14,6 +16,8 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile("dev", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "docs"))  # the scripts there are tested too
 
 IDS = ("rss_gym/Encounter-v0", "rss_gym/Encounter3D-v0", "rss_gym/EncounterRangeOnly-v0")
 TRACKS = ("oracle", "paper", "range")
@@ -47,3 +51,25 @@ def no_warnings():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         yield
+
+
+@pytest.fixture(scope="session")
+def tiny_run(tmp_path_factory):
+    """A finished training of two seeds, a matter of a second, whose agent is no good."""
+    pytest.importorskip("stable_baselines3", reason="stable-baselines3 (extra `train`) is not installed")
+    from rss_gym.train import recipe, run
+
+    changes = {"recipe.steps": 2048, "vec.n_envs": 64, "algorithm.n_steps": 16, "algorithm.batch_size": 256}
+    changes |= {"algorithm.n_epochs": 1, "policy.net_arch": [8], "imitation.episodes": 0}
+    changes |= {"validation.every_steps": 1024, "validation.episodes": 40, "checkpoint.every_steps": 1024}
+    folder = tmp_path_factory.mktemp("runs") / "tiny"
+    run.start(recipe.load("ppo", changes), folder, seeds=2, show=False)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def tiny_agent(tiny_run, tmp_path_factory):
+    """The policy folder that docs/agents.py makes of it."""
+    import agents
+
+    return agents.ship(tiny_run, "tiny", "- It has hardly been trained.", tmp_path_factory.mktemp("agents"))

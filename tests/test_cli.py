@@ -8,8 +8,9 @@ import sys
 
 import pytest
 
-from rss_gym.baselines import POLICIES
+from rss_gym import baselines
 from rss_gym.cli import main
+from rss_gym.params import Params
 
 
 def run(capsys, *arguments):
@@ -31,7 +32,7 @@ def test_list_names_everything(capsys):
 
 def test_list_json(capsys):
     status, out, _ = run(capsys, "list", "--json")
-    titles = {"ids", "policies", "channels", "families", "recipes", "suites"}
+    titles = {"ids", "policies", "drivers", "channels", "families", "recipes", "suites"}
     assert status == 0 and set(json.loads(out)) == titles
 
 
@@ -57,7 +58,7 @@ def test_all_on_several_tracks(capsys, tmp_path):
         assert f"scores: {folder / track / 'scores.json'}" in out
         scores = json.loads((folder / track / "scores.json").read_text())
         flown = {policy["name"]: policy["track"] for policy in scores["policies"]}
-        able = {name for name, kind in POLICIES.items() if track in kind.tracks and not kind.in_space}
+        able = set(baselines.able(Params.of(track=track)))
         assert set(flown) == able and set(flown.values()) == {track}
     assert "orca" in flown and "modified-orthogonal" in flown
 
@@ -68,15 +69,6 @@ def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(c
     arguments = ["--policy", "cbf+none", "--track", "paper", "range", "--out", str(tmp_path / "run")]
     status, out, err = run(capsys, "eval", *arguments)
     assert status == 2 and not out and "cannot fly on track 'range'" in err and not list(tmp_path.iterdir())
-
-
-def test_the_demo_flies_the_rule_over_its_radius(capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    status, out, _ = run(capsys, "demo", "--episodes", "20", "--workers", "1")
-    assert status == 0 and "report: runs/demo/report.html" in out
-    assert (tmp_path / "runs" / "demo" / "report.html").stat().st_size > 10_000
-    for name in ("none", "orthogonal:radius_m=15", "orthogonal:radius_m=120"):
-        assert name in out
 
 
 @pytest.mark.parametrize(

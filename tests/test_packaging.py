@@ -12,7 +12,18 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 MAPPED = ("baselines", "eval", "train")  # folders at the top whose import name is rss_gym.<folder>
 LINKS = [ROOT / "rss_gym" / folder for folder in MAPPED]
-HEAVY = {"numba", "llvmlite", "scipy", "torch", "stable_baselines3", "sb3_contrib", "pygame", "matplotlib", "moviepy"}
+HEAVY = {
+    "numba",
+    "llvmlite",
+    "scipy",
+    "torch",
+    "stable_baselines3",
+    "sb3_contrib",
+    "pygame",
+    "matplotlib",
+    "moviepy",
+    "highway_env",
+}
 SETUPTOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
 
 

@@ -1,18 +1,13 @@
 """The script of `make table`: nothing that can fly is left out, and a chart of any numbers is a picture."""
 
-import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
+import opponents
 import pytest
+import table
 
 from rss_gym.baselines import POLICIES
 from rss_gym.eval.metrics import Estimate
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "docs"))
-
-import opponents
-import table
 
 
 def test_every_policy_is_flown_on_every_track_that_it_can_fly_on():

@@ -14,10 +14,11 @@ from typing import Any
 from rss_gym import observation
 from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, load
 from rss_gym.baselines.features import FEATURES, names
+from rss_gym.baselines.features.masks import MASKS
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS
 from rss_gym.params import Params, ParamsError, suggestion
-from rss_gym.train.export import export
+from rss_gym.train.export import Inputs, export
 from rss_gym.train.hyperparameters import ALGORITHMS
 from rss_gym.train.run import AGENT, best_seed, read
 
@@ -53,6 +54,7 @@ def export_model(
     env: str = "rss_gym/Encounter-v0",
     algorithm: str | None = None,
     world: Mapping[str, Any] | None = None,
+    zeroed: str = "nothing",
 ) -> float:
     """Read a `.zip` of SB3, which runs code from it, and write the policy into the new folder `out`.
 
@@ -68,6 +70,8 @@ def export_model(
         One of `ALGORITHMS`; default: what the file looks like.
     world : mapping, optional
         Parameters that differed from those of the id.
+    zeroed : str
+        What it was trained without, one of `rss_gym.baselines.features.masks.MASKS`; the file does not tell.
 
     Returns
     -------
@@ -83,6 +87,8 @@ def export_model(
         raise ParamsError(f"environment {env!r} is unknown{suggestion(env, IDS)}")
     if algorithm is not None and algorithm not in ALGORITHMS:
         raise ParamsError(f"algorithm {algorithm!r} is unknown{suggestion(algorithm, ALGORITHMS)}")
+    if zeroed not in MASKS:
+        raise ParamsError(f"zeroed = {zeroed!r} is unknown{suggestion(zeroed, MASKS)}")
     params = Params.of(**{**IDS[env], **(world or {})})
     check_new(out)
     kind = ALGORITHMS[algorithm or kind_of(path)]
@@ -96,13 +102,14 @@ def export_model(
         text = " ".join(f"{type(error).__name__}: {error}".split())
         raise ParamsError(f"{os.fspath(path)!r} cannot be read as {kind.name}: {text}") from error
     stack, features = _seen(model.observation_space.shape[0], params)
-    return export(model, params, out, stack=stack, features=features, training={"source": Path(path).name})
+    inputs = Inputs(stack=stack, features=features, zeroed=zeroed)
+    return export(model, params, out, inputs, training={"source": Path(path).name})
 
 
 def _seen(width: int, params: Params) -> tuple[int, str]:
     """How many observations stacked, and which features, make so many numbers."""
     fields = len(observation.fields(params))
-    for kind in FEATURES:
+    for kind in (name for name, features in FEATURES.items() if features.fits(params)):
         stack, rest = divmod(width - len(names(kind, params)), fields)
         if stack >= 1 and not rest:
             return stack, kind

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Agent, Network, load
-from rss_gym.baselines.features import append
+from rss_gym.baselines.features import FEATURES, append
+from rss_gym.baselines.features.masks import kept
 from rss_gym.core import Batch, decode
 from rss_gym.files import new_folder
 from rss_gym.params import Params, ParamsError
@@ -47,13 +48,36 @@ class Normalisation:
         return np.clip(scaled, -self.clip, self.clip).astype(np.float32)
 
 
+@dataclass(frozen=True)
+class Inputs:
+    """What stands between the observations and the model.
+
+    Parameters
+    ----------
+    normalisation : Normalisation, optional
+        What `VecNormalize` did to all that follows.
+    stack : int
+        Observations stacked by `VecFrameStack`.
+    features : str
+        What stands behind them, one of `rss_gym.baselines.features.FEATURES`.
+    zeroed : str
+        What is taken away before, one of `rss_gym.baselines.features.masks.MASKS`.
+    """
+
+    normalisation: Normalisation | None = None
+    stack: int = 1
+    features: str = "none"
+    zeroed: str = "nothing"
+
+
+PLAIN = Inputs()
+
+
 def export(
     model: Any,
     world: Params,
     out: str | os.PathLike[str],
-    normalisation: Normalisation | None = None,
-    stack: int = 1,
-    features: str = "none",
+    inputs: Inputs = PLAIN,
     training: dict[str, Any] | None = None,
 ) -> float:
     """Write `policy.json` and `policy.safetensors` into the new folder `out`.
@@ -66,12 +90,8 @@ def export(
         The world it was trained in; its interface goes into the file.
     out : path
         New folder.
-    normalisation : Normalisation, optional
-        What `VecNormalize` did to the (stacked) observations.
-    stack : int
-        Observations stacked by `VecFrameStack`.
-    features : str
-        What stands behind them, one of `rss_gym.baselines.features.FEATURES`.
+    inputs : Inputs
+        What it was given of them.
     training : dict, optional
         Record of the training, in JSON types.
 
@@ -88,11 +108,11 @@ def export(
     """
     from safetensors.numpy import save
 
-    document, tensors = _described(model, world, normalisation, stack, features)
+    document, tensors = _described(model, world, inputs)
     with new_folder(out) as folder:
         _write_document(folder, document)
         (folder / WEIGHTS).write_bytes(save(tensors))
-        difference = compare(model, folder, world, normalisation)
+        difference = compare(model, folder, world, inputs.normalisation)
         if not difference <= TOLERANCE:
             raise ParamsError(
                 f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
@@ -102,26 +122,22 @@ def export(
     return difference
 
 
-def agent(
-    model: Any, world: Params, normalisation: Normalisation | None = None, stack: int = 1, features: str = "none"
-) -> Agent:
+def agent(model: Any, world: Params, inputs: Inputs = PLAIN) -> Agent:
     """The policy that `export` would write, in memory; for the parameters and errors see there."""
-    document, tensors = _described(model, world, normalisation, stack, features)
+    document, tensors = _described(model, world, inputs)
     network = Network(**document["network"])
     return Agent(network, {name: tensor.astype(np.float64) for name, tensor in tensors.items()}, world, document, "")
 
 
-def _described(
-    model: Any, world: Params, normalisation: Normalisation | None, stack: int, features: str
-) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _described(model: Any, world: Params, inputs: Inputs) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """`policy.json` without the training record, and the tensors of `policy.safetensors`."""
-    network, tensors = _taken(model, normalisation, stack, features)
+    network, tensors = _taken(model, inputs)
     shapes = network.shapes(world)
     for name, shape in shapes.items():
         if tensors[name].shape != shape:
             raise ParamsError(
-                f"the model does not fit the world: {name} is {tensors[name].shape}, and stack {stack} with features "
-                f"{features!r} needs {shape}; name the environment it was trained in"
+                f"the model does not fit the world: {name} is {tensors[name].shape}, and stack {inputs.stack} with "
+                f"features {inputs.features!r} needs {shape}; name the environment it was trained in"
             )
     document = {
         "format": FORMAT,
@@ -145,11 +161,14 @@ def compare(model: Any, folder: Path, world: Params, normalisation: Normalisatio
     batch.seed(np.arange(rows, dtype=np.uint64))
     batch.reset(everything)
     memory, state, first, worst = None, None, everything, 0.0
+    features = FEATURES[agent.network.features](agent.world)
+    told = np.zeros((rows, features.columns))
+    mask = kept(agent.network.zeroed, agent.world, agent.network.stack)
     stacked = np.zeros((rows, agent.network.stack * batch.observations.shape[1]))
     for _ in range(OBSERVATIONS // rows):
-        stacked[first] = 0.0
+        stacked[first] = told[first] = 0.0
         stacked = np.concatenate([stacked, batch.observations], axis=1)[:, batch.observations.shape[1] :]
-        seen = append(agent.network.features, stacked, agent.world)
+        seen = append(features, stacked * mask, told)
         seen = seen.astype(np.float32) if normalisation is None else normalisation(seen)
         expected, state = model.predict(seen, state=state, episode_start=first, deterministic=True)
         actions, memory = agent.predict(batch.observations, memory, first)
@@ -161,11 +180,9 @@ def compare(model: Any, folder: Path, world: Params, normalisation: Normalisatio
     return worst
 
 
-def _taken(
-    model: Any, normalisation: Normalisation | None, stack: int, features: str
-) -> tuple[Network, dict[str, np.ndarray]]:
+def _taken(model: Any, inputs: Inputs) -> tuple[Network, dict[str, np.ndarray]]:
     """Architecture and tensors of the part of the model that acts."""
-    policy, kind = model.policy, type(model).__name__
+    policy, kind, normalisation = model.policy, type(model).__name__, inputs.normalisation
     lstm = getattr(policy, "lstm_actor", None)
     if hasattr(policy, "action_net") and hasattr(policy, "mlp_extractor"):
         hidden, last, squash = policy.mlp_extractor.policy_net, policy.action_net, False
@@ -195,8 +212,9 @@ def _taken(
     network = Network(
         layers=tuple(layer.out_features for layer in linear),
         activation=activation,
-        stack=stack,
-        features=features,
+        stack=inputs.stack,
+        features=inputs.features,
+        zeroed=inputs.zeroed,
         lstm=units,
         squash=squash,
         clip=0.0 if normalisation is None else normalisation.clip,

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from rss_gym.baselines.agent import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
 from rss_gym.baselines.features import FEATURES
+from rss_gym.baselines.features.masks import MASKS
 from rss_gym.params import Group, ParamsError, choice, number, suggestion
 
 Activation = Literal["tanh", "relu"]
@@ -41,9 +42,9 @@ def units(*default: int) -> Any:
     return field(default=default, metadata={"units": UNITS_LIMIT})
 
 
-def features() -> Any:
-    """A field that names what is computed from the observation and stands behind it."""
-    return field(default="none", metadata={"known": FEATURES})
+def named(default: str, registry: Mapping[str, Any]) -> Any:
+    """A field that names an entry of a registry."""
+    return field(default=default, metadata={"known": registry})
 
 
 class Hyperparameters(Group):
@@ -136,12 +137,27 @@ class Sac(Hyperparameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pathwise(Hyperparameters):
+    """Of `rss_gym.train.pathwise.algorithm.Pathwise`; a batch is of encounters, and a round flies one in every row."""
+
+    learning_rate: Schedule = field(default=Schedule(1e-3), metadata=within(1e-8, 1.0))
+    batch_size: int = number(1000, 2, 10**6)
+    n_epochs: int = number(2, 1, 1000)
+    max_grad_norm: float = number(10.0, 1e-6, 1e9)
+    miss_cost_m: float = number(1000.0, 0.0, 1e9)
+    miss_m: float = number(8.0, 0.1, 1000.0)
+    window: int = number(130, 2, 10_000)
+    gradient_decay: float = number(0.95, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PpoNetwork(Hyperparameters):
     """Actor and critic of PPO, each with these layers."""
 
     net_arch: tuple[int, ...] = units(64, 64)
     activation: str = choice("tanh", Activation)
-    features: str = features()
+    features: str = named("none", FEATURES)
+    zeroed: str = named("nothing", MASKS)
     log_std_init: float = number(0.0, -10.0, 2.0)
     ortho_init: bool = True
 
@@ -167,7 +183,8 @@ class SacNetwork(Hyperparameters):
 
     net_arch: tuple[int, ...] = units(256, 256)
     activation: str = choice("relu", Activation)
-    features: str = features()
+    features: str = named("none", FEATURES)
+    zeroed: str = named("nothing", MASKS)
     n_critics: int = number(2, 1, 10)
 
 
@@ -197,25 +214,29 @@ class Imitation(Group):
     Parameters
     ----------
     policy : str
-        As on the command line, `mpc` or `mpc:radius_m=35`; it commands displacements up to the world's reach.
+        As on the command line, `cbf` or `mpc:radius_m=35`; it must command what the world's policy does.
     episodes : int
         Encounters to fly.
-    disturbance_m : float
-        Standard deviation of the disturbance on each axis, which is correlated from decision to decision.
+    disturbance : float
+        Standard deviation of what is added to each action, of range 1; it is correlated from decision to decision.
     epochs, batch_size : int
     learning_rate : float
         The greatest of the one cycle that it goes through.
     critic_steps : int
         So many first decisions of the training teach the critic alone: one that knows nothing spoils the actor.
+    competes : bool
+        Whether the imitated policy may be kept as the best. Between policies that the validation does not tell apart in
+        safety the ranking takes the one that deviates less, which in a short validation favours it.
     """
 
     policy: str = "mpc"
     episodes: int = number(0, 0, 10**5)  # all in memory: 50 kB each
-    disturbance_m: float = number(3.5, 0.0, 1000.0)
+    disturbance: float = number(0.06, 0.0, 10.0)
     epochs: int = number(12, 1, 1000)
     batch_size: int = number(4096, 1, 10**6)
     learning_rate: float = number(4e-3, 1e-8, 1.0)
     critic_steps: int = number(0, 0, 10**12)
+    competes: bool = True
 
     def __post_init__(self) -> None:
         """Check that the rule's name is a text; the recipe checks the rest of it."""
@@ -246,11 +267,12 @@ class Algorithm:
     module: str
     name: str
     policy_name: str
-    hyperparameters: type[Ppo | Sac]
+    hyperparameters: type[Ppo | Pathwise | Sac]
     network: type[PpoNetwork | SacNetwork]
 
 
 ALGORITHMS: dict[str, Algorithm] = {
+    "pathwise": Algorithm("rss_gym.train.pathwise.algorithm", "Pathwise", "MlpPolicy", Pathwise, PpoNetwork),
     "ppo": Algorithm("stable_baselines3", "PPO", "MlpPolicy", Ppo, PpoNetwork),
     "recurrent-ppo": Algorithm("sb3_contrib", "RecurrentPPO", "MlpLstmPolicy", RecurrentPpo, RecurrentNetwork),
     "sac": Algorithm("stable_baselines3", "SAC", "MlpPolicy", Sac, SacNetwork),

@@ -43,8 +43,7 @@ def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
     generator = np.random.default_rng(learner.seed)
     inputs: list[np.ndarray] = []
     actions: list[np.ndarray] = []
-    share = table.disturbance_m / teacher.world.interface.reach_m
-    fresh = share * (1.0 - CORRELATION**2) ** 0.5  # keeps the standard deviation
+    fresh = table.disturbance * (1.0 - CORRELATION**2) ** 0.5  # keeps the standard deviation
     seen = venv.reset()
     first, state, episodes = np.ones(venv.num_envs, bool), None, 0
     disturbance = np.zeros((venv.num_envs, 1))

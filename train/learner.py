@@ -21,7 +21,7 @@ from rss_gym.params import ParamsError
 from rss_gym.train import export
 from rss_gym.train.course import Course
 from rss_gym.train.features import Features
-from rss_gym.train.hyperparameters import ALGORITHMS, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.hyperparameters import ALGORITHMS, Pathwise, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
 from rss_gym.train.recipe import Recipe
 
 MODEL, STATE = "model.zip", "state.json"
@@ -65,8 +65,8 @@ class Learner:
         vec, kind = recipe.vec, ALGORITHMS[recipe.algorithm]
         course = Course(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
         venv: VecEnv = VecFrameStack(course, vec.stack) if vec.stack > 1 else course
-        if recipe.policy.features != "none":
-            venv = Features(venv, recipe.policy.features, recipe.params)
+        if (recipe.policy.features, recipe.policy.zeroed) != ("none", "nothing"):
+            venv = Features(venv, recipe.policy.features, recipe.params, recipe.policy.zeroed)
         if vec.normalise_reward or vec.normalise_observation:
             venv = VecNormalize(
                 venv,
@@ -74,7 +74,7 @@ class Learner:
                 norm_reward=vec.normalise_reward,
                 clip_obs=vec.clip_observation,
                 clip_reward=vec.clip_reward,
-                gamma=recipe.hyperparameters.gamma,
+                gamma=getattr(recipe.hyperparameters, "gamma", 0.99),  # `pathwise` follows no reward
             )
         model = getattr(importlib.import_module(kind.module), kind.name)(
             kind.policy_name,
@@ -85,7 +85,10 @@ class Learner:
             stats_window_size=RECENT,
             **_arguments(recipe.hyperparameters),
         )
-        return cls(recipe, seed, course, venv, model)
+        learner = cls(recipe, seed, course, venv, model)
+        if recipe.algorithm == "pathwise":
+            cast(Any, model).fly_in(recipe.params, learner._inputs)
+        return learner
 
     @classmethod
     def saved(cls, recipe: Recipe, seed: int, folder: Path) -> Learner:
@@ -147,17 +150,18 @@ class Learner:
         return export.Normalisation.of(self.venv) if isinstance(self.venv, VecNormalize) else None
 
     @property
-    def _wrapped(self) -> tuple[export.Normalisation | None, int, str]:
-        """What stands between the rows and the model: normalisation as it is now, stack, features."""
-        return self.normalisation, self.recipe.vec.stack, self.recipe.policy.features
+    def _inputs(self) -> export.Inputs:
+        """What stands between the rows and the model, with the normalisation as it is now."""
+        policy = self.recipe.policy
+        return export.Inputs(self.normalisation, self.recipe.vec.stack, policy.features, policy.zeroed)
 
     def agent(self) -> Agent:
         """The policy as it is now."""
-        return export.agent(self.model, self.recipe.params, *self._wrapped)
+        return export.agent(self.model, self.recipe.params, self._inputs)
 
     def export(self, out: Path, training: dict[str, Any]) -> float:
         """Write it as a policy folder; see `rss_gym.train.export.export`."""
-        return export.export(self.model, self.recipe.params, out, *self._wrapped, training)
+        return export.export(self.model, self.recipe.params, out, self._inputs, training)
 
     def hold_actor(self) -> None:
         """Let the actor that has imitated a rule stay as it is until the critic can judge it."""
@@ -188,7 +192,7 @@ class Learner:
             model._last_original_obs = self.venv.get_original_obs()
 
 
-def _arguments(table: Ppo | Sac) -> dict[str, Any]:
+def _arguments(table: Ppo | Pathwise | Sac) -> dict[str, Any]:
     """As SB3 takes them."""
     found: dict[str, Any] = {}
     for item in dataclasses.fields(table):
@@ -205,6 +209,6 @@ def _network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
     from torch import nn
 
     found = table.to_dict()
-    del found["features"]  # of the rows
+    del found["features"], found["zeroed"]  # of the rows
     found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]
     return found

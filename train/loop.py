@@ -164,7 +164,7 @@ class Rounds(BaseCallback):
             text = (self.folder / CHECKPOINT / SAFEST).read_text(encoding="utf-8")
             self.choice.safest = safest_from_dict(json.loads(text))
         if self.imitates:
-            self._validate()
+            self._validate(competes=self.learner.recipe.imitation.competes)
 
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **keywords: Any) -> Any:
@@ -220,10 +220,10 @@ class Rounds(BaseCallback):
                 self.logger.record(f"rollout/{name}", means[name])
         self.model.dump_logs()
 
-    def _validate(self) -> None:
+    def _validate(self, competes: bool = True) -> None:
         start, steps, policy_s = perf_counter(), self.model.num_timesteps, self.times.policy_s
         score = self.validator.score(self.learner.agent(), "agent")
-        better = self.choice.takes(score)
+        better = competes and self.choice.takes(score)
         row = {"steps": steps, **score.to_dict(), "best": int(better)}
         if better:
             self._keep(row)

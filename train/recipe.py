@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from rss_gym import baselines
+from rss_gym.baselines.features import FEATURES
 from rss_gym.baselines.policy import Scripted
 from rss_gym.core import spaces
 from rss_gym.encounters import chosen
@@ -23,6 +24,7 @@ from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
     Imitation,
+    Pathwise,
     Ppo,
     PpoNetwork,
     Sac,
@@ -35,6 +37,7 @@ FOLDER = Path(__file__).parent / "recipes"
 STEPS_MAX = 10**12
 SIZE_MAX = 65536  # bytes
 SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
+IMITATORS = ("ppo", "pathwise")
 HEAD = ("summary", "algorithm", "env", "steps")
 
 
@@ -74,7 +77,7 @@ class Recipe:
     steps: int
     world: dict[str, Any]
     vec: Vec
-    hyperparameters: Ppo | Sac
+    hyperparameters: Ppo | Pathwise | Sac
     policy: PpoNetwork | SacNetwork
     imitation: Imitation
     curriculum: tuple[Stage, ...]
@@ -86,6 +89,7 @@ class Recipe:
         params = self.params
         if params.interface.action == "discrete":
             raise ParamsError("[world]: action 'discrete' cannot be exported; use displacement or velocity")
+        FEATURES[self.policy.features](params)  # refuses a world that they cannot be computed in
         for previous, stage in pairwise((Stage(-1.0, {}), *self.curriculum)):
             if stage.start <= previous.start:
                 raise ParamsError(f"[[curriculum]]: start = {stage.start:g} must exceed {previous.start:g} before it")
@@ -102,10 +106,35 @@ class Recipe:
                     f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got "
                     f"{self.hyperparameters.batch_size}"
                 )
+        if isinstance(self.hyperparameters, Pathwise):
+            self._check_pathwise(self.hyperparameters)
         if self.imitation.episodes:
-            if self.algorithm != "ppo":
-                raise ParamsError(f"[imitation]: only the actor of ppo can imitate, got algorithm {self.algorithm!r}")
+            if self.algorithm not in IMITATORS:
+                raise ParamsError(
+                    f"[imitation]: only the actors of {' and '.join(IMITATORS)} can imitate, got algorithm "
+                    f"{self.algorithm!r}"
+                )
             _ = self.teacher  # refuses what cannot be imitated
+
+    def _check_pathwise(self, table: Pathwise) -> None:
+        """Refuse what the gradient through the flight does not know."""
+        params = self.params
+        found = {
+            "[world]: intruders": (params.encounter.intruders, 1),
+            "[world]: action": (params.interface.action, "velocity"),
+            "[vec]: stack": (self.vec.stack, 1),
+            "[vec]: normalise_observation": (self.vec.normalise_observation, False),
+            "[imitation]: critic_steps": (self.imitation.critic_steps, 0),
+            "[[curriculum]]: stages": (len(self.curriculum), 0),
+        }
+        for name, (given, needed) in found.items():
+            if given != needed:
+                raise ParamsError(f"{name} must be {needed!r} with algorithm 'pathwise', got {given!r}")
+        if table.batch_size > self.vec.n_envs:
+            raise ParamsError(
+                f"[algorithm]: batch_size must be at most n_envs = {self.vec.n_envs}, the encounters of a round, got "
+                f"{table.batch_size}"
+            )
 
     @property
     def teacher(self) -> Scripted:
@@ -124,15 +153,14 @@ class Recipe:
         if not isinstance(teacher, Scripted):
             raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
         found = teacher.world.interface
-        for field in ("track", "action", "reach_m"):
+        fields = ["track", "action"] + ["reach_m"] * (found.action == "displacement")
+        for field in fields:
             given, needed = getattr(wanted, field), getattr(found, field)
             if given != needed:
                 raise ParamsError(
                     f"[imitation]: policy {name!r} flies with {field} = {needed!r}, and [world] has {given!r}; set one "
                     "to the other"
                 )
-        if found.action != "displacement":
-            raise ParamsError(f"[imitation]: policy {name!r} must command displacements, got action {found.action!r}")
         return teacher
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from rss_gym.eval.evaluate import Result
@@ -17,12 +18,13 @@ REPORT = "report.html"
 SCRIPTS = (SORTING, Path(__file__).with_name("replay.js"))
 
 
-def markup(result: Result) -> str:
-    """The page as text; the same result gives the same text."""
+def markup(result: Result, more: Sequence[Section] = ()) -> str:
+    """The page as text, with `more` after the scores; the same result gives the same text."""
     flights = replay.collect(result)
     sections = [
         Section("Safety against deviation", charts.safety(result) + charts.CAPTION),
         Section("Scores", tables.main(result)),
+        *more,
         Section("Replays", replay.markup(result, flights), flights),
         Section("Encounter families", families.breakdown(result)),
         Section("Sensor", sensor.section(result)),
@@ -32,7 +34,7 @@ def markup(result: Result) -> str:
     return page.render(f"Evaluation on {result.suite.name}", facts.lead(result), sections, SCRIPTS)
 
 
-def write(result: Result, folder: str | os.PathLike[str]) -> Path:
+def write(result: Result, folder: str | os.PathLike[str], more: Sequence[Section] = ()) -> Path:
     """Write `report.html`.
 
     Parameters
@@ -41,10 +43,12 @@ def write(result: Result, folder: str | os.PathLike[str]) -> Path:
         Of `rss_gym.eval.evaluate`. A few of its encounters are flown again.
     folder : path
         Must exist; an older report in it is replaced.
+    more : sequence of Section, optional
+        Put after the scores; their titles must differ from the page's own.
 
     Returns
     -------
     Path
         Of the file.
     """
-    return write_text(Path(folder) / REPORT, markup(result))
+    return write_text(Path(folder) / REPORT, markup(result, more))

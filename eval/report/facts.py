@@ -42,7 +42,7 @@ def run(result: Result) -> str:
         "families": ", ".join(suite.families),
         "safety zone": f"{suite.params.zone.radius_m:g} m",
         "estimator": suite.params.ranging.estimator,
-        "versions": ", ".join(f"{name} {version}" for name, version in records.versions().items()),
+        "versions": ", ".join(f"{name} {version}" for name, version in records.versions(*suite.packages).items()),
     }
     facts = "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>\n" for name, value in rows.items())
     parameters = json.dumps(suite.params.to_dict(), indent=1)

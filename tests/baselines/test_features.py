@@ -6,9 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rss_gym import observation
-from rss_gym.baselines.features import FEATURES, LIMIT, NEAR_M, TIME_MAX_S, append, names
+from rss_gym.baselines.cbf import Cbf
+from rss_gym.baselines.features import FEATURES, LIMIT, append, names
+from rss_gym.baselines.features.approach import NEAR_M, TIME_MAX_S, Approach
+from rss_gym.baselines.features.masks import MASKS, kept
+from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.core import Batch
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 
 WORLDS = {
     "plane": Params(),
@@ -52,38 +56,38 @@ def columns(world, **values):
 
 def table(world, row):
     width = row.shape[1]
-    return dict(zip(names("approach", world), append("approach", row, world)[0, width:], strict=True))
+    return dict(zip(names("approach", world), append(Approach(world), row)[0, width:], strict=True))
 
 
 def test_none_adds_nothing(world):
     rows = flown(world, decisions=1)
-    assert names("none", world) == [] and append("none", rows, world) is rows
+    assert names("none", world) == [] and append(FEATURES["none"](world), rows) is rows
 
 
 def test_columns_stand_behind_the_observation(world):
     rows = flown(world, decisions=5)
     stacked = np.concatenate([np.full_like(rows, 0.5), rows], axis=1)
-    for kind in FEATURES:
-        appended, known = append(kind, rows, world), names(kind, world)
+    for kind in [name for name, features in FEATURES.items() if features.fits(world)]:
+        appended, known = append(FEATURES[kind](world), rows), names(kind, world)
         assert appended.dtype == np.float32 and appended.shape[1] == rows.shape[1] + len(known)
         assert len(set(known)) == len(known)
         np.testing.assert_array_equal(appended[:, : rows.shape[1]], rows)
         # Only the newest observation counts.
-        np.testing.assert_array_equal(append(kind, stacked, world)[:, rows.shape[1] :], appended)
+        np.testing.assert_array_equal(append(FEATURES[kind](world), stacked)[:, rows.shape[1] :], appended)
 
 
 def test_rows_do_not_depend_on_the_batch_or_its_type(world):
     rows = flown(world)
-    appended = append("approach", rows, world)
-    np.testing.assert_array_equal(append("approach", rows.astype(np.float64), world).astype(np.float32), appended)
-    np.testing.assert_array_equal(append("approach", rows[::-1], world)[::-1], appended)
+    appended = append(Approach(world), rows)
+    np.testing.assert_array_equal(append(Approach(world), rows.astype(np.float64)).astype(np.float32), appended)
+    np.testing.assert_array_equal(append(Approach(world), rows[::-1])[::-1], appended)
     for row in range(0, len(rows), 7):
-        np.testing.assert_array_equal(append("approach", rows[row : row + 1], world)[0], appended[row])
+        np.testing.assert_array_equal(append(Approach(world), rows[row : row + 1])[0], appended[row])
 
 
 def test_silent_without_a_message(world):
     rows = flown(world)
-    features = append("approach", rows, world)[:, rows.shape[1] :].reshape(len(rows), world.encounter.intruders, -1)
+    features = append(Approach(world), rows)[:, rows.shape[1] :].reshape(len(rows), world.encounter.intruders, -1)
     held = observation.split(rows, world)["message_valid"] > 0.5
     assert held.any() and not held.all()
     assert not features[~held].any() and features[held].any(axis=1).all()
@@ -97,8 +101,8 @@ def mirror(rows, known):
 def test_a_mirrored_world_gives_mirrored_features(world):
     rows = flown(world)
     fields = [field.name for field in observation.fields(world)]
-    expected = mirror(append("approach", rows, world), fields + names("approach", world))
-    np.testing.assert_array_equal(append("approach", mirror(rows, fields), world), expected)
+    expected = mirror(append(Approach(world), rows), fields + names("approach", world))
+    np.testing.assert_array_equal(append(Approach(world), mirror(rows, fields)), expected)
 
 
 @given(data=st.data(), name=st.sampled_from(sorted(WORLDS)))
@@ -107,7 +111,7 @@ def test_finite_for_hostile_observations(data, name):
     width = len(observation.fields(world))
     value = st.floats(width=32, allow_nan=False) | st.sampled_from([0.0, 1.0, -1.0, 3.0, np.inf, -np.inf])
     row = np.array([data.draw(st.lists(value, min_size=width, max_size=width))], np.float32)
-    features = append("approach", row, world)[:, width:]
+    features = append(Approach(world), row)[:, width:]
     assert np.isfinite(features).all() and (np.abs(features) <= LIMIT).all()
 
 
@@ -116,7 +120,7 @@ def test_nan_stays_in_its_row(world):
     spoilt = rows.copy()
     spoilt[3] = np.nan
     others = np.arange(len(rows)) != 3
-    np.testing.assert_array_equal(append("approach", spoilt, world)[others], append("approach", rows, world)[others])
+    np.testing.assert_array_equal(append(Approach(world), spoilt)[others], append(Approach(world), rows)[others])
 
 
 coordinate = st.floats(-60.0, 60.0)
@@ -177,3 +181,42 @@ def test_the_approach_from_ranges_alone(range_m, along, right, share):
     assert found["intruder_0.distance"] == pytest.approx(min(miss / 30.0, LIMIT), abs=1e-3)
     time = np.clip(range_m * cosine / max(size, 0.1), 0.0, TIME_MAX_S)
     assert found["intruder_0.time"] == pytest.approx(time / 20.0, abs=1e-5)
+
+
+def test_sides_are_the_approaches_of_the_filter():
+    """The more probable side is where a rule on track `range` believes the other to be; memory makes them so."""
+    world = Params.of(track="range")
+    rows, batch = 4, Batch(world, 4)
+    batch.seed(np.arange(rows, dtype=np.uint64))
+    batch.reset(np.ones(rows, bool))
+    features = FEATURES["sides"](world)
+    bank = RangeOnly(world=world, rule=Cbf(world=world))
+    memory, other = np.zeros((rows, features.columns)), np.zeros((rows, bank.columns))
+    told = names("sides", world)
+    for _ in range(70):
+        found = append(features, batch.observations, memory)[:, batch.observations.shape[1] :]
+        sides = bank.sides(observation.split(batch.observations, world), other)
+        for index, name in enumerate(("left", "right")):
+            at = {key: told.index(f"intruder_0.{name}.{key}") for key in ("probability", "position_right")}
+            np.testing.assert_allclose(found[:, at["probability"]], sides[:, 0, index, 0], rtol=1e-6)
+            expected = np.clip(sides[:, 0, index, 2] / 60.0, -LIMIT, LIMIT)
+            np.testing.assert_allclose(found[:, at["position_right"]], expected, rtol=1e-6)
+        batch.step(np.zeros((rows, 3)), np.zeros(rows, bool))
+    assert found[:, told.index("intruder_0.left.probability")].all()
+
+
+@pytest.mark.parametrize("zeroed", sorted(MASKS))
+def test_masks_take_away_what_they_name(world, zeroed):
+    fields = [field.name for field in observation.fields(world)]
+    left = {name for name, stays in zip(fields, kept(zeroed, world), strict=True) if stays}
+    gone = set(fields) - left
+    assert gone == {name for name in fields if MASKS[zeroed](name)}
+    assert {"cruise_mps", "time_s"} <= left
+    assert bool(gone) == (zeroed != "nothing")
+    assert ("intruder_0.message_valid" in gone) == (zeroed == "radio")
+    np.testing.assert_array_equal(kept(zeroed, world, 3), np.tile(kept(zeroed, world), 3))
+
+
+def test_features_that_do_not_fit_are_refused():
+    with pytest.raises(ParamsError, match="'sides' cannot be computed in this world: they need track 'range'"):
+        names("sides", Params())

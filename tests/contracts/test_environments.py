@@ -16,6 +16,7 @@ from gymnasium.vector import AutoresetMode
 from rss_gym.core import INFO
 from rss_gym.env import EncounterEnv
 from rss_gym.ids import IDS as REGISTERED
+from rss_gym.ids import ROADS
 from rss_gym.params import Params
 from rss_gym.vector import EncounterVectorEnv
 
@@ -47,7 +48,7 @@ def test_ids_are_all(request):
     """The fixture `env_id` goes through the registry."""
     conftest = next(plugin for plugin in request.config.pluginmanager.get_plugins() if hasattr(plugin, "ACTIONS"))
     assert conftest.IDS == IDS
-    assert set(IDS) == {name for name in gym.registry if name.startswith("rss_gym/")}
+    assert {*IDS, *ROADS} == {name for name in gym.registry if name.startswith("rss_gym/")}
 
 
 def test_gymnasium_check_env(env_id, track, action):

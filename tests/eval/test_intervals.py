@@ -12,6 +12,7 @@ from rss_gym.eval.intervals import (
     holm,
     mcnemar_exact,
     mean_t,
+    mean_zero_t,
     odds_exact,
     overdispersion,
     paired_difference,
@@ -73,6 +74,16 @@ def test_mean_t_is_scipys(n, side):
     ends = [np.inf if end is None else end for end in (found.high,)] + [-np.inf if found.low is None else found.low]
     assert ends == pytest.approx([expected.high, expected.low], rel=1e-9)
     assert found.value == pytest.approx(np.mean(x), rel=1e-12)
+
+
+@pytest.mark.parametrize("mean", [0.0, 0.02, 0.5, -3.0])
+def test_mean_zero_t_is_scipys(mean):
+    x = np.random.default_rng(1).normal(mean, 1.0, 500)
+    assert mean_zero_t(x) == pytest.approx(stats.ttest_1samp(x, 0.0).pvalue, rel=1e-9)
+
+
+def test_mean_zero_t_without_scatter():
+    assert [mean_zero_t(np.array(x)) for x in ([0.0, 0.0], [-2.0, -2.0], [5.0], [])] == [1.0, 0.0, 1.0, 1.0]
 
 
 @pytest.mark.parametrize("q", [0.001, 0.05, 0.5, 0.8, 0.95])

@@ -41,6 +41,13 @@ def test_hash_of_a_learned_policy_is_that_of_its_files(around, tmp_path, monkeyp
     assert baselines.is_folder(here) and there != other
 
 
+def test_the_filter_goes_round_a_folder_by_any_path_and_numbers_keep_their_plus(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    place = write(tmp_path / "a", 0.0)
+    assert len({entry(f"cbf+{path}", Params()).hash for path in ("a", "./a", place)}) == 1
+    assert baselines.parse("cbf:radius_m=+2.5e+1,lookahead_s=+.5+none").base == "none"
+
+
 def test_filter_and_what_it_goes_round_count():
     specs = ("cbf+none", "cbf+orthogonal", "cbf:radius_m=20+none", "none", "cbf+cbf+none")
     assert len({entry(spec, Params()).hash for spec in specs}) == len(specs)

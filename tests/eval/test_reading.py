@@ -147,6 +147,7 @@ def test_links_and_pipes_are_not_followed(folder, sound):
         ("suite_hash", "A" * 64, ["64 hex digits"]),
         ("suite_hash", "a" * 64 + "\n", ["64 hex digits"]),
         ("split", "test", ["split = 'test'", "validation"]),
+        ("suite", [], ["suite = []"]),
         ("split", [], ["split = []"]),
         ("seed", -1, ["seed = -1", "2**63"]),
         ("seed", 2**63, ["seed = "]),

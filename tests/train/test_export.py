@@ -14,9 +14,10 @@ from stable_baselines3.common.vec_env import VecFrameStack, VecNormalize
 
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.features import append
+from rss_gym.baselines.features.approach import Approach
 from rss_gym.params import Params, ParamsError
 from rss_gym.sb3 import make_vec_env
-from rss_gym.train.export import Normalisation, export
+from rss_gym.train.export import Inputs, Normalisation, export
 from rss_gym.train.features import Features
 
 WORLDS = {
@@ -67,7 +68,7 @@ def test_normalisation_and_stack(tmp_path):
     model = model_of(PPO, wrapped, net_arch=[16])
     model.learn(400)
     normalisation = Normalisation.of(wrapped)
-    assert export(model, venv.params, tmp_path / "agent", normalisation, stack=3) <= 1e-5
+    assert export(model, venv.params, tmp_path / "agent", Inputs(normalisation, stack=3)) <= 1e-5
     agent = load(tmp_path / "agent", venv.params)
     assert (agent.network.stack, agent.network.clip) == (3, 2.0)
     # Flown through SB3's own wrappers, and by the folder from bare observations.
@@ -89,7 +90,7 @@ def test_features_stand_behind_stacked_observations(world, tmp_path):
     model = model_of(PPO, wrapped, net_arch=[16])
     model.learn(400)
     normalisation = Normalisation.of(wrapped)
-    assert export(model, venv.params, tmp_path / "agent", normalisation, stack=2, features="approach") <= 1e-5
+    assert export(model, venv.params, tmp_path / "agent", Inputs(normalisation, stack=2, features="approach")) <= 1e-5
     agent = load(tmp_path / "agent", venv.params)
     assert (agent.network.stack, agent.network.features) == (2, "approach")
     wrapped.training = False
@@ -117,10 +118,10 @@ def test_the_last_observation_of_an_episode_has_its_own_features():
     for _ in range(250):
         seen, _, dones, infos = wrapped.step(np.zeros((16, 2), np.float32))
         bare, _, _, others = plain.step(np.zeros((16, 2), np.float32))
-        np.testing.assert_array_equal(seen, append("approach", bare, venv.params))
+        np.testing.assert_array_equal(seen, append(Approach(venv.params), bare))
         for row in np.flatnonzero(dones):
             last = others[row]["terminal_observation"]
-            expected = append("approach", last[None], venv.params)[0]
+            expected = append(Approach(venv.params), last[None])[0]
             np.testing.assert_array_equal(infos[row]["terminal_observation"], expected)
             assert not np.array_equal(last, bare[row])
             ended += 1

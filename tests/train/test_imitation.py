@@ -35,7 +35,7 @@ def learner(changes, **more):
 
 def test_the_rows_fly_the_rule(changes):
     """Without a disturbance: the observations are those of the rule's own flights, and the actions its own."""
-    one = learner(changes, **{"imitation.disturbance_m": 0.0})
+    one = learner(changes, **{"imitation.disturbance": 0.0})
     inputs, actions, episodes = imitation._flown(one)
     assert inputs.dtype == actions.dtype == np.float32 and len(inputs) == len(actions) and episodes >= 64
     teacher, batch, rows = one.recipe.teacher, Batch(one.recipe.params, 64), np.ones(64, bool)
@@ -55,15 +55,15 @@ def test_the_rows_fly_the_rule(changes):
 
 
 def test_the_disturbance_has_the_deviation_that_is_asked_for(changes):
-    """Way points of a rule that does nothing are the disturbance itself, correlated from decision to decision."""
-    one = learner(changes, **{"imitation.policy": "none", "imitation.disturbance_m": 6.0})
+    """Actions of a rule that does nothing are the disturbance itself, correlated from decision to decision."""
+    one = learner(changes, **{"imitation.policy": "none", "imitation.disturbance": 0.1})
     given = []
     step = one.venv.step
-    one.venv.step = lambda actions: given.append(actions * 60.0) or step(actions)
+    one.venv.step = lambda actions: given.append(actions) or step(actions)
     _, actions, _ = imitation._flown(one)
     assert not actions.any()
     late = np.array(given)[40:]  # it starts at zero
-    assert np.std(late) == pytest.approx(6.0, rel=0.05)
+    assert np.std(late) == pytest.approx(0.1, rel=0.05)
     products = np.mean(late[1:] * late[:-1]) / np.mean(late**2)
     assert products == pytest.approx(imitation.CORRELATION, abs=0.03)
 
@@ -143,7 +143,7 @@ def test_a_run_that_goes_on_does_not_imitate_again(changes, tmp_path, capsys, mo
     class Killed(BaseException):
         pass
 
-    def killed(*_):
+    def killed(*_, **__):
         raise Killed
 
     with monkeypatch.context() as patch:

@@ -38,9 +38,12 @@ def test_shipped_recipes_name_every_hyperparameter(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_recipe_survives_json(name):
-    recipe = load(name, {"curriculum": [{"start": 0.25, "comfort_m": 20.0, "channel": ["paper", "quadcopter"]}]})
+    stages = [{"start": 0.25, "comfort_m": 20.0, "channel": ["paper", "quadcopter"]}]
+    recipe = load(name, {} if name.startswith("pathwise") else {"curriculum": stages})
     again = from_dict(name, json.loads(json.dumps(recipe.to_dict())))
     assert again == recipe
+    if name.startswith("pathwise"):
+        return
     assert again.params_of(1).reward.comfort_m == 20.0 and len(again.params_of(1).channels) == 2
 
 
@@ -115,7 +118,8 @@ def test_stages():
         ({"policy.activation": "tan"}, ["activation", "did you mean 'tanh'"]),
         ({"policy.lstm_hidden_size": 8}, ["[policy]", "'lstm_hidden_size'"]),
         ({"policy.features": "aproach"}, ["[policy]", "'aproach'", "did you mean 'approach'"]),
-        ({"policy.features": ["approach"]}, ["[policy]", "features", "known: approach, none"]),
+        ({"policy.features": ["approach"]}, ["[policy]", "features", "known: approach, none, sides"]),
+        ({"policy.features": "sides"}, ["'sides'", "track 'range'"]),
         ({"imitation.policy": 3}, ["[imitation]", "policy", "3"]),
         ({"imitation.policy": "orka"}, ["[imitation]", "'orka'", "did you mean 'orca'"]),
         ({"imitation.policy": "mpc:radius=3"}, ["[imitation]", "'radius'", "did you mean 'radius_m'"]),
@@ -123,7 +127,6 @@ def test_stages():
         ({"imitation.policy": "orca"}, ["[imitation]", "'orca'", "action", "'velocity'"]),
         ({"imitation.policy": "mpc@oracle"}, ["[imitation]", "'mpc@oracle'", "track", "'oracle'"]),
         ({"world.reach_m": 30.0}, ["[imitation]", "'mpc'", "reach_m = 60.0", "[world] has 30.0"]),
-        ({"world.action": "velocity", "imitation.policy": "mvp"}, ["[imitation]", "displacements", "'velocity'"]),
         ({"imitation.episodes": -1}, ["[imitation]", "episodes", "-1"]),
         ({"imitation.epoch": 2}, ["[imitation]", "'epoch'", "did you mean 'epochs'"]),
         ({"vec.n_envs": 0}, ["[vec]", "n_envs", "0"]),

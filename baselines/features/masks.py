@@ -1,0 +1,33 @@
+"""Fields that a policy is trained and flown without: what they are worth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rss_gym import observation
+from rss_gym.params import Params
+
+RANGE = ("range_m", "range_std_m", "coloured_db", "path_loss_factor", "range_rate_mps", "margin_m", "streak")
+
+# What is taken away -> whether it holds this field.
+MASKS: dict[str, Callable[[str], bool]] = {
+    "nothing": lambda name: False,
+    "range": lambda name: name.startswith("intruder_") and name.partition(".")[2] in RANGE,
+    "radio": lambda name: name.startswith("intruder_"),
+}
+
+
+def kept(zeroed: str, world: Params, stack: int = 1) -> np.ndarray:
+    """One for each column that stays and zero for the others, of `stack` observations; float32.
+
+    Parameters
+    ----------
+    zeroed : str
+        One of `MASKS`: `range` is what the filter of the link holds, `radio` all that is known of the intruders.
+    world : Params
+    stack : int
+    """
+    row = [not MASKS[zeroed](field.name) for field in observation.fields(world)]
+    return np.tile(np.array(row, np.float32), stack)

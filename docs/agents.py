@@ -1,0 +1,254 @@
+"""Ships the agent of a run: python docs/agents.py card RUN --name NAME [--limits FILE].
+
+Makes baselines/agents/NAME/ from the folder of a finished `rss-gym train`: the best seed's policy, a card, and the
+validations of all seeds as a table and a chart. Made anew, it takes the place of the older one.
+"""
+
+import argparse
+import csv
+import io
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from opponents import picture, table
+
+from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, Agent, load
+from rss_gym.baselines.shipped import FOLDER
+from rss_gym.eval.metrics import Estimate
+from rss_gym.eval.text import cell
+from rss_gym.files import replaced_folder, write_text
+from rss_gym.pages import figure
+from rss_gym.params import Params, ParamsError, load_channel, presets
+from rss_gym.train import recipe as recipes
+from rss_gym.train import run as runs
+from rss_gym.train.recipe import Recipe
+
+CARD, CURVES, CHART = "card.md", "curves.csv", "curves.svg"
+NAME = re.compile("[a-z][a-z0-9-]{1,40}")
+COLUMNS = ("steps", "episodes", "collisions", "collision_rate", "collision_rate_low", "collision_rate_high")
+COLUMNS += ("path_deviation_mean_m", "best")
+
+
+@dataclass(frozen=True)
+class Seed:
+    """One training: its seed, the policy that the ranking kept, and its validations in order."""
+
+    number: int
+    agent: Agent
+    rows: list[dict[str, str]]
+
+    @property
+    def kept(self) -> dict[str, Any]:
+        """The validation of the kept policy."""
+        return dict(self.agent.document["training"]["validation"])
+
+    def points(self, name: str) -> list[float]:
+        """A column of the validations."""
+        return [float(row[name]) for row in self.rows]
+
+
+def seeds_of(run: Path, recipe: Recipe, numbers: list[int]) -> list[Seed]:
+    """All of a finished run."""
+    seeds = []
+    for index, number in enumerate(numbers):
+        folder = run / f"seed-{index}"
+        with open(folder / "validation.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        if int(rows[-1]["steps"]) < recipe.steps:
+            raise ParamsError(f"{folder} has {rows[-1]['steps']} of {recipe.steps} steps; train it to its end first")
+        seeds.append(Seed(number, load(folder / runs.BEST, recipe.params), rows))
+    return seeds
+
+
+def card(name: str, recipe: Recipe, document: dict[str, Any], seeds: list[Seed], shipped: Seed, limits: str) -> str:
+    """What the agent is, how it was made, what it reached and what it is not for."""
+    head, network, world = recipe.to_dict()["recipe"], shipped.agent.document["network"], recipe.params
+    facts = {
+        "recipe": f"`{recipe.name}`, {recipe.steps:,} decisions a seed; every number of it is in `{DOCUMENT}`",
+        **changed(recipe),
+        "world": f"`{recipe.env}`, {described(world)}",
+        "other than the id's": listed({key: value for key, value in recipe.world.items() if key != "channel"}),
+        **later(recipe),
+        "action": commanded(world),
+        "network": ", ".join(f"{key} {json.dumps(value)}" for key, value in network.items()),
+        "seeds": f"{', '.join(str(seed.number) for seed in seeds)}; shipped: {shipped.number}",
+        "versions": ", ".join(f"{key} {value}" for key, value in document["versions"].items()),
+        "revision": f"{document['revision']}",
+        f"SHA-256 of `{DOCUMENT}` and `{WEIGHTS}`": f"{shipped.agent.digest}",
+    }
+    order = sorted(seeds, key=lambda seed: seed is not shipped)
+    return f"""# {name}
+
+Learned with {head["algorithm"]} in `{recipe.env}`: {recipe.summary}. `rss-gym eval --policy {name}` flies it.
+
+{table(["", ""], [[key, value] for key, value in facts.items()])}
+
+## Validation
+
+Each seed at the validation that the ranking kept, over the same encounters of split `validation`; the shipped one
+first. It was chosen on them, so they flatter it a little.
+
+{table(["seed", "decisions", "encounters", "collisions", "mean deviation, m"], [row(seed) for seed in order])}
+
+![Collision rate and mean deviation of all seeds over the training]({CHART})
+
+All validations are in `{CURVES}`.
+
+## Limits
+
+- Trained and validated in the world above only: {described(world)}.
+- It refuses worlds with another observation: planar or not, intruders and track must be as in training.
+- Flown in simulation only.
+{limits.strip()}
+"""
+
+
+def row(seed: Seed) -> list[str]:
+    """A seed in the card's table."""
+    kept = seed.kept
+    rate = Estimate(*(kept[f"collision_rate{end}"] for end in ("", "_low", "_high")), kept["episodes"], "1")
+    deviation = f"{kept['path_deviation_mean_m']:.2f}"
+    return [f"{seed.number}", f"{kept['steps']:,}", f"{kept['episodes']:,}", cell(rate, 1.0, ".2e"), deviation]
+
+
+def commanded(world: Params) -> str:
+    """What an action means, and its greatest amount."""
+    interface, limits = world.interface, world.aircraft
+    if interface.action != "velocity":
+        return f"{interface.action}, up to {interface.reach_m:g} m"
+    vertically = "" if world.encounter.planar else f", vertically {limits.vertical_speed_max_mps:g} m/s"
+    return f"velocity, up to {limits.speed_max_mps:g} m/s{vertically}"
+
+
+def described(world: Params) -> str:
+    """What of a world a policy depends on, in words."""
+    encounter = world.encounter
+    names = {load_channel(name): name for name in presets()}
+    channels = [names.get(channel, f"one of its own (in {DOCUMENT})") for channel in world.channels]
+    several = f"{encounter.intruders_min} to " if encounter.intruders_min else ""
+    parts = {
+        "": "planar" if encounter.planar else "in space",
+        "track ": f"`{world.interface.track}`",
+        "intruders: ": f"{several}{encounter.intruders}",
+        "families: ": f"{encounter.families}",
+        "channels: ": ", ".join(channels),
+        "estimator ": f"`{world.ranging.estimator}`",
+    }
+    return "; ".join(key + value for key, value in parts.items())
+
+
+def changed(recipe: Recipe) -> dict[str, str]:
+    """What differs from the shipped recipe of that name."""
+    if recipe.name not in recipes.recipes():
+        return {}
+    plain = recipes.load(recipe.name).to_dict()
+    ours = recipe.to_dict()
+    differs = {
+        f"{section}.{key}": value
+        for section, found in ours.items()
+        if isinstance(found, dict)
+        for key, value in found.items()
+        if plain[section].get(key) != value
+    }
+    if ours["curriculum"] != plain["curriculum"]:
+        differs["curriculum"] = ours["curriculum"]
+    return {"other than in `train/recipes/`": listed(differs)} if differs else {}
+
+
+def later(recipe: Recipe) -> dict[str, str]:
+    """What the curriculum changes, and when."""
+    stages = (f"from {stage.start:.0%} of the steps on {', '.join(sorted(stage.world))}" for stage in recipe.curriculum)
+    return {"changes on the way": "; ".join(stages)} if recipe.curriculum else {}
+
+
+def listed(values: dict[str, Any]) -> str:
+    """`key = value` with commas between."""
+    return ", ".join(f"{key} = {json.dumps(value)}" for key, value in values.items()) or "nothing"
+
+
+def curves(seeds: list[Seed]) -> str:
+    """The validations of all seeds as CSV."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["seed", *COLUMNS])
+    writer.writerows([seed.number, *(line[name] for name in COLUMNS)] for seed in seeds for line in seed.rows)
+    return text.getvalue()
+
+
+def chart(seeds: list[Seed], shipped: Seed) -> str:
+    """Collision rate and deviation over the decisions, a line a seed, the kept policies marked."""
+    label = "Validation of each seed over its training: collision rate and mean deviation"
+    with figure.figure(label, columns=2, width_in=9.0, height_in=3.4) as drawing:
+        for index, seed in enumerate(seeds):
+            steps, colour = [step / 1e6 for step in seed.points("steps")], figure.COLOURS[index % len(figure.COLOURS)]
+            # Without a collision the point is the upper end of its interval.
+            ends = zip(seed.points("collision_rate"), seed.points("collision_rate_high"), strict=True)
+            heights = [[rate or high for rate, high in ends], seed.points("path_deviation_mean_m")]
+            kept = seed.points("steps").index(seed.kept["steps"])
+            name = f"seed {seed.number}{', shipped' if seed is shipped else ''}"
+            for axes, values in zip(drawing.axes, heights, strict=True):
+                axes.plot(steps, values, color=colour, linewidth=2.0 if seed is shipped else 1.0, label=name)
+                axes.plot(steps[kept], values[kept], "o", color=colour, markersize=5)
+        rate, deviation = drawing.axes
+        rate.set(yscale="log", ylabel="collisions per encounter", xlabel="decisions, millions")
+        deviation.set(ylabel="mean deviation, m", xlabel="decisions, millions")
+        rate.figure.legend(*rate.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return picture(drawing)
+
+
+def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER) -> Path:
+    """Make the folder of a shipped agent.
+
+    Parameters
+    ----------
+    run : Path
+        Folder of a finished run.
+    name : str
+        Of the agent.
+    limits : str
+        Markdown for the card: what is known to go wrong.
+    into : Path
+        Where the folder goes.
+
+    Raises
+    ------
+    ParamsError
+        For another name, or a run that is not finished.
+    """
+    figure.require_figures()
+    if not NAME.fullmatch(name):
+        raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as pathwise-plane")
+    recipe, document = runs.read(run)
+    seeds = seeds_of(run, recipe, document["seeds"])
+    digest = load(run / runs.AGENT, recipe.params).digest
+    shipped = next((seed for seed in seeds if seed.agent.digest == digest), None)
+    if shipped is None:
+        raise ParamsError(f"{run / runs.AGENT} is not the best policy of one of its seeds; go on with the run first")
+    into.mkdir(exist_ok=True)
+    with replaced_folder(into / name) as folder:
+        for file in (DOCUMENT, WEIGHTS):
+            (folder / file).write_bytes((run / runs.AGENT / file).read_bytes())
+        write_text(folder / CARD, card(name, recipe, document, seeds, shipped, limits))
+        write_text(folder / CURVES, curves(seeds))
+        write_text(folder / CHART, chart(seeds, shipped))
+    return into / name
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description="Makes the folder of a shipped agent from a finished run.")
+    commands = parser.add_subparsers(required=True)
+    command = commands.add_parser("card", help="policy, card and curves from a run")
+    command.add_argument("run", type=Path, metavar="RUN")
+    command.add_argument("--name", required=True)
+    command.add_argument("--limits", type=Path, metavar="FILE", help="Markdown for the card's limits")
+    options = parser.parse_args()
+    limits = options.limits.read_text(encoding="utf-8") if options.limits else ""
+    print(ship(options.run, options.name, limits))
+
+
+if __name__ == "__main__":
+    main()

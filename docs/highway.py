@@ -1,0 +1,94 @@
+"""Scores of the drivers on the highway in the README, and its picture: `python docs/highway.py [--record DIR]`.
+
+Without `--record` it drives 1,000 episodes of each policy first, which takes half an hour on one core.
+"""
+
+import argparse
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import opponents
+from PIL import Image, ImageDraw, ImageFont
+
+from rss_gym.baselines.road import World, make
+from rss_gym.eval import road
+from rss_gym.eval.text import cell
+from rss_gym.highway.env import RoadEnv
+
+ROOT = Path(__file__).resolve().parent.parent
+SUITE, POLICIES = "highway-v0", ("none", "rule", "idm")
+COLUMNS = {
+    "collision_rate": ("collisions", ".3f"),
+    "risk_ratio": ("risk ratio", ".3f"),
+    "zone_violation_rate": ("zone violations", ".3f"),
+    "lane_deviation_m": ("off the planned lane, m", ".2f"),
+    "speed_deviation_mps": ("off the planned speed, m/s", ".2f"),
+    "path_deviation_mean_m": ("mean deviation, m", ".1f"),
+}
+SHOWN_EPISODE, SHOWN_DECISION = 0, 5
+SCALING, WIDTH_PX, HEIGHT_PX = 11.0, 1200, 240
+WARNED, QUIET, INK = (225, 40, 40), (60, 130, 230), (255, 255, 255)
+
+
+def table(record: Path) -> str:
+    """The rows of a record in Markdown."""
+    rows = []
+    for row in opponents.read(record).values():
+        cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
+        rows.append([f"`{Path(row.spec).name if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
+    titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]
+    made = opponents.made().replace("`make table`", "`python docs/highway.py`")
+    return f"{opponents.table(titles, rows)}\n\n{made.removesuffix('.')}, highway-env {version('highway-env')}."
+
+
+def picture() -> Image.Image:
+    """A frame of the rule on its way: rings of the estimated ranges, red while the warning is open."""
+    view = {"screen_width": WIDTH_PX, "screen_height": HEIGHT_PX, "scaling": SCALING, "centering_position": [0.2, 0.5]}
+    env = RoadEnv(render_mode="rgb_array", config=view)
+    observation, _ = env.reset(seed=0, options={"split": "suite", "episode": SHOWN_EPISODE})
+    policy = make("rule", World.of(env))
+    for _ in range(SHOWN_DECISION):
+        observation, *_ = env.step(policy.predict(observation)[0])
+    image = Image.fromarray(env.render())
+    draw, font = ImageDraw.Draw(image), ImageFont.load_default(15)
+    centre = np.array([0.2 * WIDTH_PX, 0.5 * HEIGHT_PX])
+    _, others = env.ranging.sensor.sense()
+    for k, other in enumerate(others[:4]):
+        ring(draw, font, centre, other, 14 + 18 * (k % 2))
+    env.close()
+    return image
+
+
+def ring(draw: Any, font: Any, centre: np.ndarray, other: np.ndarray, label_px: float) -> None:
+    """The ring of an estimated range, with its standard deviation, and its label."""
+    colour = WARNED if other["warning"] else QUIET
+    radius_px = SCALING * float(other["range_m"])
+    box = [*(centre - radius_px), *(centre + radius_px)]
+    draw.ellipse(box, outline=colour, width=3 if other["warning"] else 2)
+    label_px = max(label_px, centre[1] - radius_px - 20.0)  # of a small ring, above it
+    x = centre[0] + np.sqrt(max(radius_px**2 - (centre[1] - label_px) ** 2, 0.0))
+    text = f"{float(other['range_m']):.0f} ± {float(other['range_std_m']):.0f} m"
+    if x + 90 < WIDTH_PX:
+        draw.text((x + 6, label_px), text, fill=INK, font=font)
+
+
+def main() -> None:
+    """Drive if need be, and write table and picture."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--record", type=Path, help="a record of `rss-gym eval --suite highway-v0`, in place of driving"
+    )
+    parser.add_argument("--policy", nargs="+", default=list(POLICIES), help="what to drive, agents' folders too")
+    parser.add_argument("--workers", type=int, default=1)
+    options = parser.parse_args()
+    picture().save(ROOT / "docs" / "highway.png", optimize=True)
+    record = options.record or road.save(
+        road.evaluate(options.policy, SUITE, workers=options.workers), ROOT / "runs" / "highway-scores"
+    )
+    opponents.put(ROOT / "README.md", "road", table(record))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+"""Score a policy of your own on the encounters of the rules: python examples/score_own_policy.py [--episodes N].
+
+From this folder the command does the same: rss-gym eval --policy score_own_policy:PassBehind --out runs/own
+"""
+
+import argparse
+from typing import Any
+
+import numpy as np
+
+from rss_gym import observation
+from rss_gym.eval import evaluate, text
+from rss_gym.params import Params
+
+
+class PassBehind:
+    """Way point to the side that the intruder comes from, while the zone is broken and it is near.
+
+    All that the evaluator asks for is `predict`, as Stable-Baselines3 has it, on batches.
+
+    Parameters
+    ----------
+    world : Params
+        Tells what the columns of an observation are.
+    """
+
+    def __init__(self, world: Params) -> None:
+        self.world = world
+
+    def predict(
+        self, rows: np.ndarray, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[np.ndarray, Any]:
+        """Actions (n, 2) in [-1, 1] for observations (n, d); this policy has no memory, so `state` stays as it is."""
+        seen = observation.split(rows, self.world)
+        warned = (seen["message_valid"][:, 0] > 0.5) & (seen["range_m"][:, 0] < 90.0)
+        actions = np.zeros((len(rows), 2), np.float32)
+        # It flies to the right: the space behind it is on the left, and the other way round.
+        actions[:, 1] = np.where(warned, -np.sign(seen["message_velocity_right_mps"][:, 0]), 0.0)
+        return actions, state
+
+
+def main() -> None:
+    """Fly it beside the paper's rule; `none` is always flown too."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--episodes", type=int, default=5000)
+    options = parser.parse_args()
+    policies = {"pass-behind": PassBehind(Params()), "orthogonal": "orthogonal:radius_m=60"}
+    print(text.table(evaluate(policies, episodes=options.episodes)))
+
+
+if __name__ == "__main__":
+    main()

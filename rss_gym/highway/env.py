@@ -1,0 +1,243 @@
+"""The registered roads: highway-env's scenes at a pace that learning can bear, as plain environments."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+from rss_gym.highway.config import check
+from rss_gym.highway.settings import changed, mapping
+from rss_gym.highway.wrapper import RssRanging
+from rss_gym.params import Group, ParamsError, Zone, number, suggestion
+
+EXTRA = 'the roads need highway-env, which is not installed: pip install "rss-gym[highway]"'
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A road of highway-env.
+
+    Parameters
+    ----------
+    module, name : str
+        Of its class.
+    summary : str
+    speed_relative_max_mps : float
+        |v| of (40): how fast two vehicles of this road can close.
+    duration_s : float
+        Of an episode that no collision and no arrival ends earlier.
+    config : dict
+        What differs from highway-env's own configuration.
+    """
+
+    module: str
+    name: str
+    summary: str
+    speed_relative_max_mps: float
+    duration_s: float
+    config: Mapping[str, Any]
+
+    @property
+    def zone(self) -> dict[str, Any]:
+        """What the safety zone of this road has of its own."""
+        return {"speed_relative_max_mps": self.speed_relative_max_mps}
+
+    @property
+    def configuration(self) -> dict[str, Any]:
+        """As highway-env takes it."""
+        return {**COMMON, **self.config}
+
+
+# highway-env makes 2 to 40 steps a second with its defaults. Ten ticks a second are the world's own rate of the radio;
+# of highway-env's observation, which nobody sees, only the time is computed.
+COMMON: Mapping[str, Any] = {
+    "simulation_frequency": 10,
+    "policy_frequency": 1,
+    "observation": {"type": "AttributesObservation", "attributes": ["time"]},
+    "neighbour_vehicles_connected_lanes": True,
+}
+SCENES: dict[str, Scene] = {
+    "highway": Scene(
+        "highway_env.envs.highway_env",
+        "HighwayEnvFast",
+        "three lanes, ten vehicles ahead that drive at 21-24 m/s, the agent at 25 m/s",
+        10.0,
+        20.0,
+        {"lanes_count": 3, "vehicles_count": 10, "duration": 20},
+    ),
+    "merge": Scene(
+        "highway_env.envs.merge_env",
+        "MergeEnv",
+        "two lanes and a ramp, from which a vehicle merges in front of the agent at 30 m/s",
+        12.0,
+        12.0,
+        {},
+    ),
+    "intersection": Scene(
+        "highway_env.envs.intersection_env",
+        "IntersectionEnv",
+        "a crossing of two roads; the agent keeps its way at 9 m/s, or brakes",
+        19.0,
+        13.0,
+        {"duration": 13, "other_vehicles_type": "rss_gym.highway.traffic.CrossingVehicle"},
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoadReward(Group):
+    """Weights of the reward: distance from planned lane and speed, and a collision."""
+
+    lane_pm: float = number(0.02, 0.0, 100.0)  # per metre beside the planned lane and decision
+    speed_spm: float = number(0.02, 0.0, 100.0)  # per m/s off the planned speed and decision
+    collision: float = number(5.0, 0.0, 1e6)
+
+
+class RoadEnv(gym.Env[np.ndarray, Any]):
+    """A vehicle on a road of highway-env that ranges the others by radio signal strength.
+
+    ## Description
+
+    The agent has a lane and a speed to keep and vehicles to give way to. What it knows of them is what the radio tells,
+    as in `rss_gym/Encounter-v0`: ranges by the augmented Kalman filter of received signal strength, and positions and
+    velocities by messages while the warning of the safety zone is open. Own lane, speed and plan are known.
+
+    ## Action space
+
+    highway-env's meta-actions: on `Highway` and `Merge` `Discrete(5)`: lane left, idle, lane right, faster, slower; on
+    `Intersection` `Discrete(3)`: slower, idle, faster. Another action of highway-env can be configured.
+
+    ## Observation space
+
+    A flat `Box` of named fields, float32; `rss_gym.highway.observation.fields(env.unwrapped.params)` is the table, and
+    `split` there the way back to SI units.
+
+    ## Rewards
+
+    `-(lane_pm |lane error| + speed_spm |speed error|)` a decision, and `-collision` at the end by one.
+
+    ## Episode end
+
+    As in highway-env: a collision, the end of the time (`Highway`, `Intersection`), of the road (`Merge`), or arrival.
+
+    ## Arguments
+
+    `config` changes highway-env's configuration, `reward` fields of `RoadReward`; all else is as for
+    `rss_gym.highway.RssRanging`, which has also what seeds do.
+    """
+
+    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012
+
+    def __init__(
+        self,
+        scene: str = "highway",
+        config: Mapping[str, Any] | None = None,
+        reward: Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+        zone: Zone | Mapping[str, Any] | None = None,
+        **keywords: Any,
+    ) -> None:
+        if scene not in SCENES:
+            raise ParamsError(f"scene {scene!r} is unknown{suggestion(str(scene), SCENES)}")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ParamsError(f"render_mode must be one of {self.metadata['render_modes']}, got {render_mode!r}")
+        known = set(RssRanging.__init__.__annotations__) - {"env", "return"}
+        for name in keywords:
+            if name not in known:
+                raise ParamsError(f"a road has no parameter {name!r}{suggestion(name, {*known, 'config', 'reward'})}")
+        self.scene = SCENES[scene]
+        kind = scene_class(self.scene)
+        changes = {} if config is None else config
+        check(changes, kind.default_config())
+        self.reward = changed("reward", RoadReward(), reward)
+        if not isinstance(zone, Zone):
+            zone = {**self.scene.zone, **mapping("zone", {} if zone is None else zone)}
+        road = kind(config={**self.scene.configuration, **changes}, render_mode=render_mode)
+        self.ranging = RssRanging(road, zone=zone, **keywords)
+        self.params = self.ranging.params
+        self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
+        self.render_mode = render_mode
+
+    @property
+    def road(self) -> Any:
+        """highway-env's own environment."""
+        return self.ranging.base
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start an episode; see `RssRanging` for `seed` and `options`."""
+        super().reset(seed=seed)
+        if seed is None and self.ranging.plan is None:
+            seed = int(self.np_random.integers(2**62))
+        observation, info = self.ranging.reset(seed=seed, options=options)
+        self._ended = False
+        return observation, self._info(info, 0.0, 0.0)
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Drive for one decision.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first reset, and after the end of an episode.
+        ValueError
+            For an action that is not in the space.
+        """
+        if self.ranging.plan is None or self._ended:
+            raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
+        if not self.action_space.contains(action):
+            raise ValueError(f"action must be in {self.action_space}, got {action!r}")
+        observation, _, terminated, truncated, info = self.ranging.step(action)
+        self._ended = terminated or truncated
+        vehicle, plan = self.road.vehicle, self.ranging.plan
+        lane_m, speed_mps = abs(plan.error_m(vehicle)), abs(float(vehicle.speed) - plan.speed_mps)
+        weights = self.reward
+        reward = 0.0 - weights.lane_pm * lane_m - weights.speed_spm * speed_mps
+        if info["collision"]:
+            reward -= weights.collision
+        info = self._info(info, lane_m, speed_mps)
+        info["is_success"] = self._ended and not info["collision"]
+        return observation, reward, terminated, truncated, info
+
+    def render(self) -> Any:
+        """highway-env's picture."""
+        return self.road.render()
+
+    def close(self) -> None:
+        """Close highway-env's window, if there is one."""
+        self.ranging.close()
+
+    def _info(self, info: dict[str, Any], lane_m: float, speed_mps: float) -> dict[str, Any]:
+        vehicle, plan = self.road.vehicle, self.ranging.plan
+        assert plan is not None
+        away = vehicle.position - plan.position_m(float(self.ranging.sensor.episode["tick"]) * self.params.clock.tick_s)
+        return {
+            **{name: info[name] for name in ("collision", "zone", "min_separation_m")},
+            "deviation_m": float(np.hypot(*away)),
+            "lane_error_m": lane_m,
+            "speed_error_mps": speed_mps,
+            "cost": float(info["collision"]),
+            "is_success": False,
+        }
+
+
+def scene_class(scene: Scene) -> Any:
+    """highway-env's class of a scene.
+
+    Raises
+    ------
+    ParamsError
+        Naming the extra to install, where highway-env is missing.
+    """
+    try:
+        return getattr(importlib.import_module(scene.module), scene.name)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "highway_env":
+            raise
+        raise ParamsError(EXTRA) from error

@@ -1,0 +1,313 @@
+"""One tick of the radio on a road, with the world's own passes; a lane of the block is a vehicle.
+
+A vehicle's number is that of its link, in the order of appearance. Its noise is a function of (episode key, number,
+tick): it goes on while the vehicle is out of radio range, and is the same whatever the policy does.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from rss_gym.alerts import judge, warn
+from rss_gym.highway.zone import HALF_LANE_M, pair_radius_m
+from rss_gym.jit import inner, kernel
+from rss_gym.lanes import departure, load_channel, load_link, load_message, store_link
+from rss_gym.links import estimate, face_intruder, start_filter, transmit
+from rss_gym.physics.elementary import cos, sin
+from rss_gym.physics.noise import gauss_markov
+from rss_gym.physics.path_loss import quantise
+from rss_gym.physics.random import normal, uniform
+from rss_gym.records import ORACLE, RANGE, ROWS
+
+f8, i8, b1 = np.float64, np.int64, np.bool_
+
+ABSENT, FAR, NEW, HELD = range(4)  # not on the road, out of radio range, first heard now, heard before
+
+VEHICLE = np.dtype(
+    [
+        ("here", b1),  # on the road
+        ("born", b1),  # its processes have begun
+        ("heard", b1),  # in radio range, with a filter
+        ("state", i8),  # of ABSENT ... HELD
+        ("position_m", f8, 2),
+        ("velocity_mps", f8, 2),
+        ("gnss_error", f8, 2),  # of unit variance
+        ("velocity_error_mps", f8, 2),
+    ]
+)
+
+# Streams of a vehicle; the agent is vehicle -1. Those of the world are below 1,000.
+STREAM_ROAD, STREAMS = 10_000, 16
+TICK_COLOURED, TICK_WHITE, TICK_LOSS, SLOW, START = 0, 1, 2, 3, 8  # SLOW: wander, GNSS x, y, velocity x, y
+
+
+@kernel(inline="always")
+def stream(number):
+    """First stream of a vehicle."""
+    return STREAM_ROAD + STREAMS * (number + 1)
+
+
+@inner
+def begin(config, channel, key, number, vehicle, link, contact):
+    """Stationary processes of a vehicle that appears; nothing has been heard of it."""
+    at = stream(number) + START
+    link.coloured_db = channel.coloured_std_db * normal(key, at, 0)
+    link.wander = channel.wander_std * normal(key, at, 1)
+    link.jump, link.jump_s = 0.0, np.inf
+    for axis in range(2):
+        vehicle.gnss_error[axis] = normal(key, at, 2 + axis)
+        vehicle.velocity_error_mps[axis] = config.velocity_error_mps * normal(key, at, 4 + axis)
+    vehicle.born = True
+    forget(config, link, contact)
+
+
+@inner
+def forget(config, link, contact):
+    """As before a vehicle was first heard."""
+    link.coloured_hat_db = link.rate_mps = 0.0
+    contact.radius_m = config.radius_m
+    contact.warning = contact.hovered = contact.valid = False
+    contact.clear_s = contact.age_s = contact.std_m = 0.0
+    contact.streak = contact.missed = 0
+
+
+@kernel
+def drift(config_, channel_, key, decision, vehicles, links):
+    """Advance the slow processes by a decision: path loss factors, errors of positions and velocities.
+
+    `vehicles` (1 + n) begin with the agent; `links` (n).
+    """
+    config, channel = config_[0], channel_[0]
+    for i in range(len(vehicles)):
+        vehicle, at = vehicles[i], stream(i - 1) + SLOW
+        if not vehicle.born:
+            continue
+        if i > 0:
+            link, n = links[i - 1], normal(key, at, decision)
+            link.wander = gauss_markov(link.wander, channel.wander_decay, channel.wander_drive, n)
+        for axis in range(2):
+            n = normal(key, at + 1 + axis, decision)
+            vehicle.gnss_error[axis] = gauss_markov(vehicle.gnss_error[axis], config.gnss_decay, config.gnss_drive, n)
+            n = normal(key, at + 3 + axis, decision)
+            vehicle.velocity_error_mps[axis] = gauss_markov(
+                vehicle.velocity_error_mps[axis], config.velocity_decay, config.velocity_drive, n
+            )
+
+
+@kernel
+def listen(
+    config_, channel_, key, radio_range_m, range_error_m, states, roads, first, e_, vehicles, links, contacts, block_,
+    agent_lanes_, craft_lanes_, contact_lanes_, link_lanes_,
+):  # fmt: skip
+    """Some ticks: every vehicle on the road is ranged if in radio range, warnings open or close, messages arrive.
+
+    Parameters
+    ----------
+    config_, channel_ : (1,) CONFIG, CHANNEL
+    key : uint64
+        Of the episode.
+    radio_range_m : float
+        Beyond it a vehicle is not heard, and its filter ends.
+    range_error_m : float
+        delta of (40).
+    states : (m, 5) array
+        Row in `vehicles`, x (m), y (m), heading (rad) and speed (m/s) of all that is on the road, tick after tick.
+    roads : (t, 4) array
+        Of each tick: end of its rows in `states`, direction of the agent's lane (cosine, sine), and how far (m) the
+        agent is to the right of its centre.
+    first : int
+        Number of the first of these ticks.
+    e_ : (1,) EPISODE
+        Its events, on true states, are written.
+    vehicles : (1 + n,) VEHICLE
+        The agent first.
+    links, contacts : (n,) LINK, CONTACT
+    block_, agent_lanes_, craft_lanes_, contact_lanes_, link_lanes_ : (1,) records
+        Working memory.
+    """
+    config, channel, e, block = config_[0], channel_[0], e_[0], block_[0]
+    agent, craft, told, link = agent_lanes_[0], craft_lanes_[0], contact_lanes_[0], link_lanes_[0]
+    begin_agent(config, key, vehicles[0])
+    row = 0
+    for t in range(len(roads)):
+        e.tick = first + t
+        for i in range(len(vehicles)):
+            vehicles[i].here = False
+        while row < roads[t, 0]:
+            place(vehicles[int(states[row, 0])], states[row])
+            row += 1
+        for i in range(len(links)):
+            classify(config, channel, key, radio_range_m, i, vehicles[0], vehicles[i + 1], links[i], contacts[i])
+        for state in range(FAR, HELD + 1):
+            i = 0
+            while i < len(links):
+                i = gather(
+                    config, channel, key, e, state, i, vehicles, links, contacts, block, agent, craft, told, link
+                )
+                face_intruder(config, block, agent, craft, told, link)
+                transmit(block, link)
+                for r in range(block.rows):
+                    lose(channel, key, e.tick, block.row[r], link, r)
+                if state == NEW:
+                    start_filter(config, block, link, False)
+                elif state == HELD:
+                    estimate(config, block, link)
+                for r in range(block.rows):
+                    n = block.row[r]
+                    store_link(links[n], link, r)
+                    if state != FAR:
+                        alert(config, channel, e, vehicles[n + 1], contacts[n], link, r)
+                    witness(config, e, range_error_m, roads[t], vehicles[0], vehicles[n + 1])
+
+
+@inner
+def begin_agent(config, key, agent):
+    """Stationary errors of the agent's own solution."""
+    if not agent.born:
+        at = stream(-1) + START
+        for axis in range(2):
+            agent.gnss_error[axis] = normal(key, at, 2 + axis)
+            agent.velocity_error_mps[axis] = config.velocity_error_mps * normal(key, at, 4 + axis)
+        agent.born = True
+
+
+@inner
+def gather(config, channel, key, e, state, i, vehicles, links, contacts, block, agent, craft, told, link):
+    """Load the next vehicles in this state, from link `i` on, into the block. Returns where to go on."""
+    block.rows = 0
+    while i < len(links) and block.rows < ROWS:
+        if vehicles[i + 1].state == state:
+            r = block.rows
+            block.row[r], block.rows = i, r + 1
+            load_channel(block, r, channel)
+            load_vehicle(config, agent, vehicles[0], r)
+            load_vehicle(config, craft, vehicles[i + 1], r)
+            load_message(told, r, contacts[i], config.track != RANGE)
+            load_link(link, r, links[i], e.tick * config.tick_s)
+            link.coloured_normal[r] = normal(key, stream(i) + TICK_COLOURED, e.tick)
+            link.white_normal[r] = normal(key, stream(i) + TICK_WHITE, e.tick)
+        i += 1
+    return i
+
+
+@inner(forceinline=True)
+def place(vehicle, state):
+    """Put a vehicle on the road, with position and velocity as vectors."""
+    vehicle.here = True
+    vehicle.position_m[0], vehicle.position_m[1] = state[1], state[2]
+    vehicle.velocity_mps[0], vehicle.velocity_mps[1] = state[4] * cos(state[3]), state[4] * sin(state[3])
+
+
+@inner
+def classify(config, channel, key, radio_range_m, number, agent, vehicle, link, contact):
+    """What this tick means for a vehicle: `state`."""
+    if not vehicle.here:
+        vehicle.state, vehicle.heard = ABSENT, False
+        return
+    if not vehicle.born:
+        begin(config, channel, key, number, vehicle, link, contact)
+    x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
+    if x * x + y * y > radio_range_m * radio_range_m:
+        vehicle.state, vehicle.heard = FAR, False
+    elif vehicle.heard:
+        vehicle.state = HELD
+    else:
+        forget(config, link, contact)
+        vehicle.state, vehicle.heard = NEW, True
+
+
+@inner(forceinline=True)
+def load_vehicle(config, lanes, vehicle, r):
+    """Copy a vehicle to lane r, with its own solution; roads are flat."""
+    lanes.solution_std_m[r] = config.gnss_m
+    lanes.position_m[2, r] = lanes.solution_m[2, r] = lanes.solution_mps[2, r] = 0.0
+    for axis in range(2):
+        lanes.position_m[axis, r] = vehicle.position_m[axis]
+        lanes.solution_m[axis, r] = vehicle.position_m[axis] + config.gnss_m * vehicle.gnss_error[axis]
+        lanes.solution_mps[axis, r] = vehicle.velocity_mps[axis] + vehicle.velocity_error_mps[axis]
+
+
+@inner(forceinline=True)
+def lose(channel, key, tick, number, link, r):
+    """Quantise the RSS and lose packets as `rss_gym.links.receive` does; a lost one is minus infinity."""
+    link.rss_dbm[r] = quantise(link.rss_dbm[r], channel.quantisation_db)
+    if channel.packet_loss > 0.0 and uniform(key, stream(number) + TICK_LOSS, tick) < channel.packet_loss:
+        link.rss_dbm[r] = -np.inf
+
+
+@inner
+def alert(config, channel, e, vehicle, contact, link, r):
+    """Warning and message of a vehicle in radio range; the message rides on the packet that is ranged."""
+    warned = contact.warning
+    warn(config, contact, link.range_m[r])
+    if not contact.warning:
+        contact.valid = False
+    elif link.rss_dbm[r] >= channel.sensitivity_dbm:
+        contact.valid, contact.age_s, contact.std_m = True, 0.0, config.gnss_m
+        for axis in range(2):
+            contact.velocity_mps[axis] = vehicle.velocity_mps[axis] + vehicle.velocity_error_mps[axis]
+            if config.track != RANGE:
+                contact.position_m[axis] = vehicle.position_m[axis] + config.gnss_m * vehicle.gnss_error[axis]
+    judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
+
+
+@inner
+def witness(config, e, range_error_m, road, agent, vehicle):
+    """Events of the tick on true states: least separation; entry into a pair's zone on the agent's lane."""
+    x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
+    separation_m = sqrt(x * x + y * y)
+    if separation_m < e.min_separation_m:
+        e.min_separation_m, e.closest_s = separation_m, e.tick * config.tick_s
+    right_m = y * road[1] - x * road[2] + road[3]
+    if abs(right_m) < HALF_LANE_M:
+        v, u = vehicle.velocity_mps, agent.velocity_mps
+        radius_m = pair_radius_m(
+            x, y, v[0] - u[0], v[1] - u[1],
+            range_error_m, config.range_error_probability, config.reaction_s, config.trials,
+        )  # fmt: skip
+        if separation_m < radius_m:
+            e.zone = True
+
+
+@kernel
+def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
+    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; true states on track `oracle` only."""
+    config, channel, e, agent = config_[0], channel_[0], e_[0], vehicles[0]
+    own[0].time_s = e.tick * config.tick_s
+    exact = config.track == ORACLE
+    for axis in range(2):
+        error_m, error_mps = config.gnss_m * agent.gnss_error[axis], agent.velocity_error_mps[axis]
+        own[0].position_m[axis] = agent.position_m[axis] + (0.0 if exact else error_m)
+        own[0].velocity_mps[axis] = agent.velocity_mps[axis] + (0.0 if exact else error_mps)
+    for i in range(len(links)):
+        vehicle, link, contact, other = vehicles[i + 1], links[i], contacts[i], others[i]
+        other.present = vehicle.heard
+        if not vehicle.heard:
+            continue
+        other.range_m, other.range_std_m = link.range_m, sqrt(link.p_dd)
+        other.range_rate_mps, other.coloured_db = link.rate_mps, link.coloured_hat_db
+        other.path_loss_factor = channel.path_loss_factor
+        other.radius_m, other.warning = contact.radius_m, contact.warning
+        other.valid, other.age_s = contact.valid, contact.age_s
+        for axis in range(2):
+            other.position_m[axis] = contact.position_m[axis]
+            other.velocity_mps[axis] = contact.velocity_mps[axis]
+        if exact:
+            reveal(config, e, agent, vehicle, link, channel, other)
+
+
+@inner
+def reveal(config, e, agent, vehicle, link, channel, other):
+    """Track `oracle`: replace every estimate by the truth."""
+    square = rate = 0.0
+    for axis in range(2):
+        other.position_m[axis], other.velocity_mps[axis] = vehicle.position_m[axis], vehicle.velocity_mps[axis]
+        step_m = vehicle.position_m[axis] - agent.position_m[axis]
+        square += step_m * step_m
+        rate += step_m * (vehicle.velocity_mps[axis] - agent.velocity_mps[axis])
+    other.range_m, other.range_std_m = sqrt(square), 0.0
+    other.range_rate_mps = rate / max(other.range_m, 1e-9)
+    other.coloured_db = link.coloured_db
+    other.path_loss_factor = channel.path_loss_factor + departure(link, e.tick * config.tick_s)
+    other.warning = other.range_m <= other.radius_m
+    other.valid, other.age_s = True, 0.0

@@ -1,0 +1,196 @@
+"""`RssRanging`: any environment of highway-env with the radio of rss_gym as its sensor."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
+
+import gymnasium as gym
+import numpy as np
+
+from rss_gym.checks import positive
+from rss_gym.core import SEED_LIMIT, SPLITS, checked_options, checked_seed
+from rss_gym.highway.config import check
+from rss_gym.highway.observation import Writer
+from rss_gym.highway.plan import Plan
+from rss_gym.highway.sensor import Sensor
+from rss_gym.highway.settings import settings
+from rss_gym.params import ParamsError, Zone, suggestion
+from rss_gym.physics.random import episode_key
+
+Driver = Literal["agent", "idm"]
+MADE_WITH = ("simulation_frequency", "policy_frequency", "controlled_vehicles")  # what sensor and clock rest on
+
+
+class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
+    """Vehicles that range each other by radio: the observation becomes what a receiver of signal strength knows.
+
+    At every step of the simulation the received signal strength of each vehicle in radio range is simulated and
+    filtered by the world's own kernels, (2), (8), (12)-(21). While an estimated range is within the zone (40) the
+    warning is open, and messages with the other's position and velocity come. Actions and reward stay highway-env's.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        Of highway-env, with one controlled vehicle.
+    vehicles : int
+        How many of the nearest vehicles (by estimated range) are observed, 1 to 8; all in radio range keep a filter.
+    channel, track, estimator, zone, ranging, navigation
+        As `rss_gym.highway.settings.settings` takes them.
+    radio_range_m : float
+        Beyond it a vehicle is not heard and its filter ends.
+    radio : bool
+        Whether the vehicles' fields are written; without it they are zero.
+    driver : str
+        `agent`, or `idm`: highway-env's own driver (IDM and MOBIL, on true states) takes the agent's vehicle, and
+        actions have no effect.
+
+    Notes
+    -----
+    `reset(seed=s)` starts episode 0 of seed s, every later reset the next one; `reset(options={"split": "suite",
+    "episode": k})` replays any. highway-env draws its traffic from a generator seeded by the episode's key: the same
+    key gives the same traffic at the start and the same noise of every vehicle. Where vehicles are spawned on the way
+    (intersection), whether one has room depends on the policy, and so does what is drawn after it.
+
+    Raises
+    ------
+    ParamsError
+        For an unknown name, with the nearest known one, or a value out of range.
+    """
+
+    def __init__(
+        self,
+        env: gym.Env[Any, Any],
+        vehicles: int = 6,
+        channel: Any = "paper",
+        track: str = "paper",
+        estimator: str = "ekf-coloured",
+        zone: Zone | Mapping[str, Any] | None = None,
+        ranging: Mapping[str, Any] | None = None,
+        navigation: Mapping[str, Any] | None = None,
+        radio_range_m: float = 150.0,
+        radio: bool = True,
+        driver: str = "agent",
+    ) -> None:
+        super().__init__(env)
+        base: Any = env.unwrapped
+        if not hasattr(base, "road") or not isinstance(getattr(base, "config", None), Mapping):
+            raise ParamsError(f"RssRanging wraps environments of highway-env, got {type(base).__name__}")
+        if driver not in get_args(Driver):
+            raise ParamsError(f"driver = {driver!r} is unknown{suggestion(str(driver), get_args(Driver))}")
+        if not isinstance(radio, bool):
+            raise ParamsError(f"radio must be true or false, got {radio!r}")
+        if base.config.get("controlled_vehicles", 1) != 1:
+            raise ParamsError(f"RssRanging observes one controlled vehicle, got {base.config['controlled_vehicles']}")
+        frequency = base.config["simulation_frequency"]
+        ticks = int(frequency // base.config["policy_frequency"])
+        self.params = settings(
+            1.0 / frequency, ticks / frequency, vehicles, channel, track, estimator, zone, ranging, navigation
+        )
+        self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver
+        self._writer = Writer(self.params, radio)
+        self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
+        self.plan: Plan | None = None
+        self._seed, self._next = 0, 0  # of the episodes
+        self._seeded = False
+
+    @property
+    def base(self) -> Any:
+        """The environment of highway-env."""
+        return self.env.unwrapped
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start an episode; see the class for `seed` and `options`. `options["config"]` goes to highway-env.
+
+        Raises
+        ------
+        ParamsError
+            For a wrong seed or option, or a key of the configuration that is unknown or fixed by the making.
+        """
+        chosen = checked_options(options, 1, "config")
+        if "config" in chosen:
+            check(chosen["config"], self.base.config)
+            for name in MADE_WITH:
+                if name in chosen["config"]:
+                    raise ParamsError(f"config[{name!r}] belongs to the environment's making; reset() cannot change it")
+        if seed is not None:
+            self._seed, self._next = checked_seed(seed), 0
+        elif not self._seeded:
+            self._seed, self._next = int(gym.utils.seeding.np_random()[0].integers(SEED_LIMIT)), 0
+        self._seeded = True
+        split, number = SPLITS[chosen.get("split", "train")], int(np.ravel(chosen.get("episode", self._next))[0])
+        self._next = number + 1
+        key = int(episode_key(split, np.uint64(self._seed), np.uint64(number)))
+        inner = {"config": chosen["config"]} if "config" in chosen else None
+        _, info = self.env.reset(seed=key, options=inner)
+        base = self.base
+        self.plan = Plan(base.road, base.vehicle)
+        if self.driver == "idm":
+            hand_over(base, self.plan.speed_mps)
+        self.sensor.start(base.road, base.vehicle, split, self._seed, number, key)
+        base.road.step = functools.partial(_step, base.road, self.sensor)
+        info.pop("action", None)  # a random one, of a generator without a seed
+        info.pop("rewards", None)  # of that action
+        return self._observe(), info | self._info()
+
+    def step(self, action: Any) -> tuple[np.ndarray, Any, bool, bool, dict[str, Any]]:
+        """Drive for one decision.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first reset.
+        """
+        if self.plan is None:
+            raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
+        self.sensor.decide()
+        _, reward, terminated, truncated, info = self.env.step(action)
+        return self._observe(), reward, bool(terminated), bool(truncated), info | self._info()
+
+    def _observe(self) -> np.ndarray:
+        vehicle, plan = self.base.vehicle, self.plan
+        assert plan is not None
+        start, end, number = vehicle.lane_index
+        count = len(plan.network.graph[start][end])
+        along_m, offset_m = vehicle.lane.local_coordinates(vehicle.position)
+        heading = vehicle.lane.heading_at(along_m)
+        target = getattr(vehicle, "target_lane_index", vehicle.lane_index)
+        known = {
+            "speed_mps": vehicle.speed,
+            "speed_error_mps": vehicle.speed - plan.speed_mps,
+            "commanded_error_mps": getattr(vehicle, "target_speed", vehicle.speed) - plan.speed_mps,
+            "plan_error_m": plan.error_m(vehicle),
+            "lane_offset_m": offset_m,
+            "lanes_left": number,
+            "lanes_right": count - 1 - number,
+            "changing": target[2] - number if target[:2] == (start, end) else 0,
+        }
+        return self._writer.write(known, (np.cos(heading), np.sin(heading)), *self.sensor.sense())
+
+    def _info(self) -> dict[str, Any]:
+        e = self.sensor.episode
+        return {
+            "collision": bool(self.base.vehicle.crashed),
+            "zone": bool(e["zone"]),
+            "min_separation_m": float(e["min_separation_m"]),
+        }
+
+
+def _step(road: Any, sensor: Sensor, dt: float) -> None:
+    """A step of highway-env's simulation, then a tick of the radio; copies of an environment keep their own."""
+    type(road).step(road, dt)
+    sensor.tick(road)
+
+
+def hand_over(base: Any, speed_mps: float) -> None:
+    """Put highway-env's own driver into the agent's vehicle."""
+    from highway_env.vehicle.behavior import IDMVehicle
+
+    before = base.vehicle
+    driver = IDMVehicle.create_from(before)
+    driver.target_speed = speed_mps
+    base.road.vehicles[base.road.vehicles.index(before)] = driver
+    base.controlled_vehicles = [driver]

@@ -1,0 +1,124 @@
+"""Training on a road: the recipe, a run of a few decisions, the exported driver."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from rss_gym.baselines.road import World, make
+from rss_gym.cli import main
+from rss_gym.highway.env import RoadEnv
+from rss_gym.params import ParamsError
+from rss_gym.train import recipe as world_recipes
+from rss_gym.train import road
+
+SHORT = "algorithm.n_steps=8 algorithm.batch_size=16 algorithm.n_epochs=1 validation.episodes=1 recipe.n_envs=2".split()
+
+
+def test_shipped_recipes_name_every_number():
+    for name, path in road.recipes().items():
+        found = road.load(name)
+        text = path.read_text(encoding="utf-8")
+        for section in ("algorithm", "policy", "validation"):
+            for key in found.to_dict()[section]:
+                assert f"\n{key} = " in text, key
+        assert not road.is_road("ppo-short") and name not in world_recipes.recipes()
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"recipe.env": "rss_gym/Higway-v0"}, "is no road; did you mean 'rss_gym/Highway-v0'"),
+        ({"algorithm.gama": 0.9}, "no parameter 'gama'; did you mean 'gamma'"),
+        ({"algorithm.batch_size": 100}, "batch_size must divide n_steps"),
+        ({"recipe.env": ["rss_gym/Highway-v0"]}, "is no road"),
+        ({"policy.features": "approach"}, "features must be 'none' on a road"),
+        ({"policy.zeroed": "radio"}, "zeroed must be 'nothing' on a road, got 'radio'; .*world.radio = false"),
+        ({"vec.n_envs": 2}, "write section.key=value"),
+    ],
+)
+def test_refused(changes, sentence):
+    with pytest.raises(ParamsError, match=sentence):
+        road.load("highway", changes)
+
+
+def test_a_file_whose_env_is_no_name_is_no_road(tmp_path):
+    file = tmp_path / "wrong.toml"
+    file.write_text("[recipe]\nenv = []\n", encoding="utf-8")
+    assert not road.is_road(str(file))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Two seeds of 16 decisions, by the command."""
+    pytest.importorskip("stable_baselines3")
+    out = tmp_path_factory.mktemp("runs") / "short"
+    assert main(["train", "highway", "--steps", "16", "--seeds", "2", "--out", str(out), "--set", *SHORT]) == 0
+    return out
+
+
+def test_run_holds_what_was_done(run):
+    document = json.loads((run / "run.json").read_text())
+    assert document["recipe"]["algorithm"]["n_steps"] == 8 and document["seeds"] == 2
+    assert "highway-env" in document["versions"]
+    for seed in ("seed-0", "seed-1"):
+        assert (run / seed / "validation.csv").read_text().startswith("steps,episodes,collision_rate")
+        assert (run / seed / "progress.csv").stat().st_size > 0
+    assert (
+        "seed 0 of 2" in (run / "agent" / "card.md").read_text()
+        or "seed 1 of 2" in (run / "agent" / "card.md").read_text()
+    )
+    record = json.loads((run / "agent" / "policy.json").read_text())["training"]
+    assert record["difference"] <= 1e-4 and record["seed"] in (0, 2**20)
+
+
+def test_driver_is_scored_by_its_folder(run, tmp_path, capsys):
+    arguments = ["eval", "--suite", "highway-v0", "--episodes", "1", "--policy", str(run / "agent")]
+    assert main([*arguments, "--out", str(tmp_path / "scores")]) == 0
+    assert "short" in capsys.readouterr().out
+
+
+def test_driver_of_another_road_is_refused(run):
+    env = RoadEnv("merge", vehicles=3)
+    with pytest.raises(ParamsError, match="it was made for 80 fields"):
+        make(str(run / "agent"), World.of(env))
+
+
+def test_driver_of_another_track_is_refused(run):
+    """The oracle's fields are those of the paper, and mean something else."""
+    env = RoadEnv(track="oracle")
+    with pytest.raises(ParamsError, match="it was made for track 'paper', and this road has 'oracle'"):
+        make(str(run / "agent"), World.of(env))
+
+
+def test_a_driver_with_zeroed_fields_is_refused(run, tmp_path):
+    folder = shutil.copytree(run / "agent", tmp_path / "agent")
+    document = json.loads((folder / "policy.json").read_text())
+    document["network"]["zeroed"] = "radio"
+    (folder / "policy.json").write_text(json.dumps(document))
+    with pytest.raises(ParamsError, match="zeroed must be 'nothing' on a road, got 'radio'"):
+        make(str(folder), World.of(RoadEnv()))
+
+
+def test_exported_network_is_sb3s():
+    """On observations of random actions; log-probabilities within 1e-4, and so the same actions."""
+    sb3 = pytest.importorskip("stable_baselines3")
+    from rss_gym.train.road.export import agent, compare
+
+    env = RoadEnv()
+    model = sb3.PPO("MlpPolicy", env, policy_kwargs={"net_arch": [32]}, n_steps=2, batch_size=2, seed=3, device="cpu")
+    rows = np.random.default_rng(0).uniform(-1.0, 1.0, (1000, env.observation_space.shape[0])).astype(np.float32)
+    driver = agent(model, World.of(env), radio=True)
+    assert compare(model, driver, rows) < 1e-4
+    assert np.array_equal(driver.predict(rows)[0], model.predict(rows, deterministic=True)[0])
+
+
+def test_a_driver_trained_without_radio_drives_without(run, tmp_path):
+    pytest.importorskip("stable_baselines3")
+    out = tmp_path / "blind"
+    arguments = ["train", "highway", "--steps", "16", "--out", str(out), "--set", *SHORT, "world.radio=false"]
+    assert main(arguments) == 0
+    env = RoadEnv()
+    assert make(str(out / "agent"), World.of(env)).keywords == {"radio": False}
+    assert make(str(run / "agent"), World.of(env)).keywords == {}

@@ -1,0 +1,117 @@
+"""A run on a road: `run.json`, a folder a seed with its curves and its best driver, in the end `agent/` with a card."""
+
+from __future__ import annotations
+
+import functools
+import json
+import multiprocessing
+import os
+import shutil
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rss_gym.baselines.agent import DOCUMENT, WEIGHTS
+from rss_gym.eval.records import versions
+from rss_gym.files import check_new, write_text
+from rss_gym.params import ParamsError
+from rss_gym.train.road.recipe import RoadRecipe
+from rss_gym.train.run import AGENT, FORMAT, RUN, SEEDS_MAX, _revision, _versions, _whole
+
+if TYPE_CHECKING:
+    from rss_gym.train.road.learner import Score
+
+CARD = "card.md"
+
+
+def start(
+    recipe: RoadRecipe, out: str | os.PathLike[str], seeds: int = 1, workers: int = 1, command: Sequence[str] = ()
+) -> Path:
+    """Train a recipe into the new folder `out`.
+
+    Parameters
+    ----------
+    recipe : RoadRecipe
+    out : path
+        New folder.
+    seeds : int
+        Trainings that differ in their seed only.
+    workers : int
+        Processes, each with one seed at a time.
+    command : sequence of str
+        Kept in the run.
+
+    Returns
+    -------
+    Path
+        The policy folder of the best seed.
+
+    Raises
+    ------
+    ParamsError
+        For numbers out of range, a folder that exists, or packages that are missing.
+    """
+    _whole("seeds", seeds, SEEDS_MAX)
+    _whole("workers", workers, SEEDS_MAX)
+    folder = check_new(out)
+    recipe.environment().close()  # refuses what is wrong with the road
+    try:
+        import stable_baselines3  # noqa: F401
+    except ImportError as error:
+        raise ParamsError(f"training needs stable_baselines3 ({error}): pip install 'rss-gym[train]'") from error
+    record: dict[str, Any] = {
+        "name": recipe.name,
+        "recipe": recipe.to_dict(),
+        "versions": {**versions(), **_versions("highway-env", "torch", "stable-baselines3")},
+        "revision": _revision(),
+    }
+    document = {"format": FORMAT, **record, "seeds": seeds, "command": list(command)}
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / RUN, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    task = functools.partial(_seed, recipe, folder, record)
+    if min(workers, seeds) == 1:
+        scores = [task(index) for index in range(seeds)]
+    else:
+        with ProcessPoolExecutor(min(workers, seeds), multiprocessing.get_context("spawn")) as pool:
+            scores = list(pool.map(task, range(seeds)))
+    best = max(range(seeds), key=lambda index: scores[index].return_)
+    (folder / AGENT).mkdir()
+    for file in (DOCUMENT, WEIGHTS):
+        shutil.copyfile(folder / f"seed-{best}" / "best" / file, folder / AGENT / file)
+    write_text(folder / AGENT / CARD, card(recipe, record, scores, best))
+    print(f"agent: {folder / AGENT}", flush=True)
+    return folder / AGENT
+
+
+def _seed(recipe: RoadRecipe, folder: Path, record: dict[str, Any], index: int) -> Score:
+    from rss_gym.train.road.learner import train_seed
+
+    return train_seed(recipe, folder / f"seed-{index}", index, record)
+
+
+def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], best: int) -> str:
+    """What a driver was trained on, how its seeds did, and what it is not for."""
+    env = recipe.environment()
+    track, zone_m = env.params.interface.track, env.params.zone.radius_m
+    sees = "ranges and messages of the nearest vehicles" if recipe.world.get("radio", True) else "no other vehicle"
+    rows = "\n".join(
+        f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.deviation_m:.1f} | {score.return_:.2f} |"
+        for index, score in enumerate(scores)
+    )
+    return f"""# Driver `{recipe.name}`, seed {best} of {len(scores)}
+
+Trained by PPO for {recipe.head.steps:,} decisions on `{recipe.head.env}` ({env.scene.summary}).
+It sees {sees}, and its own lane, speed and plan. Track `{track}`, zone {zone_m:g} m.
+Recipe, versions and revision are in `policy.json`; revision {record["revision"]}.
+
+Best validation of each seed, over the same {recipe.validation.episodes} episodes of split `validation`. The best is
+chosen by its return, which flatters it: scores on split `suite` are what counts.
+
+| seed | decisions | collisions | mean deviation, m | return |
+|---|---|---|---|---|
+{rows}
+
+Limits: this road, its traffic and its channel only, one decision a second, in a simulation. It says nothing about a
+vehicle on a real road.
+"""
