@@ -12,7 +12,7 @@ from rss_gym.train import recipe, run
 def main() -> None:
     """Train, then fly the agent and the rules over the same encounters."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--steps", type=int, default=1_000_000, help="decisions")
+    parser.add_argument("--steps", type=int, default=1_500_000, help="decisions")
     parser.add_argument("--set", nargs="*", default=[], metavar="KEY=VALUE", help="other changes of the recipe")
     parser.add_argument("--episodes", type=int, default=5000, help="encounters of the scores")
     parser.add_argument("--out", default="runs/minutes", help="new folder for the run")

@@ -30,8 +30,9 @@ class Surrogate:
     world : Params
         With one intruder, commanding velocities.
     features : str
-        Of the policy, one of `FEATURES`; and what is zeroed for it.
+        Of the policy, one of `FEATURES`.
     zeroed : str
+        What is taken from it, one of `MASKS`.
     """
 
     def __init__(self, world: Params, features: str, zeroed: str) -> None:
