@@ -213,4 +213,4 @@ def describe() -> dict[str, dict[str, Any]]:
         name: {"summary": (kind.__doc__ or "").strip().splitlines()[0], "options": _options(kind)}
         for name, kind in POLICIES.items()
     }
-    return rules | {name: {"summary": shipped.summary(name), "options": {}} for name in AGENTS}
+    return rules | {name: {"summary": shipped.summary(folder), "options": {}} for name, folder in AGENTS.items()}

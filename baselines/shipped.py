@@ -58,17 +58,17 @@ def fits(name: str, world: Params) -> bool:
 
 def home(name: str) -> str:
     """The id that the agent was trained in."""
-    return str(_recipe(name)["env"])
+    return str(_recipe(AGENTS[name])["env"])
 
 
-def summary(name: str) -> str:
+def summary(folder: Path) -> str:
     """One line for listings."""
-    recipe = _recipe(name)
+    recipe = _recipe(folder)
     return f"Learned in {recipe['env']}: {recipe['summary']}."
 
 
-def _recipe(name: str) -> dict[str, object]:
+def _recipe(folder: Path) -> dict[str, object]:
     """The head of the recipe, which every shipped policy records."""
-    document = json.loads((AGENTS[name] / DOCUMENT).read_text(encoding="utf-8"))
+    document = json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))
     head: dict[str, object] = document["training"]["recipe"]["recipe"]
     return head

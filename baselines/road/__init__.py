@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
-from rss_gym.baselines import PICKLED, is_folder
+from rss_gym.baselines import PICKLED, is_folder, shipped
 from rss_gym.baselines.road.agent import RoadAgent, load
 from rss_gym.baselines.road.policy import Driver, Idm, Nothing, World
 from rss_gym.baselines.road.rule import Rule
 from rss_gym.params import ParamsError, suggestion
 
-__all__ = ["POLICIES", "World", "describe", "make"]
+__all__ = ["AGENTS", "POLICIES", "World", "describe", "make"]
 
 POLICIES: dict[str, type[Driver]] = {"none": Nothing, "rule": Rule, "idm": Idm}
+AGENTS = shipped.found(Path(__file__).parent / "agents")  # learned ones: name -> policy folder
 
 
 def make(spec: str, world: World) -> Driver | RoadAgent:
@@ -22,7 +24,7 @@ def make(spec: str, world: World) -> Driver | RoadAgent:
     Parameters
     ----------
     spec : str
-        A name of `POLICIES`, with options as in `rule:lateral_m=2`, or the folder of a learned policy.
+        A name of `POLICIES`, with options as in `rule:lateral_m=2`, one of `AGENTS`, or the folder of a learned policy.
     world : World
         The road it drives on.
 
@@ -33,12 +35,14 @@ def make(spec: str, world: World) -> Driver | RoadAgent:
         `rss_gym.baselines.road.agent.load` refuses.
     """
     name, _, text = spec.partition(":")
+    if spec in AGENTS:
+        return load(AGENTS[spec], world)
     if name not in POLICIES:
         if is_folder(spec):
             return load(spec, world)
         if spec.endswith(PICKLED):
             raise ParamsError(f"policy {spec!r} is a file whose reading runs code from it; name a policy folder")
-        raise ParamsError(f"policy {name!r} is unknown on a road{suggestion(name, POLICIES)}")
+        raise ParamsError(f"policy {name!r} is unknown on a road{suggestion(name, [*POLICIES, *AGENTS])}")
     options: dict[str, Any] = {}
     for item in filter(None, text.split(",")):
         key, _, value = item.partition("=")
@@ -58,4 +62,4 @@ def describe() -> dict[str, str]:
     for name, kind in POLICIES.items():
         options = [f" [{f.name}={f.default:g}]" for f in dataclasses.fields(kind) if "low" in f.metadata]
         found[name] = (kind.__doc__ or "").strip().splitlines()[0] + "".join(options)
-    return found
+    return found | {name: shipped.summary(folder) for name, folder in AGENTS.items()}

@@ -88,7 +88,7 @@ def test_one_observation_and_a_batch():
 
     env = RoadEnv()
     observation, _ = env.reset(seed=0)
-    for name in road.POLICIES:
+    for name in (*road.POLICIES, *road.AGENTS):
         policy = road.make(name, road.World.of(env))
         single, _ = policy.predict(observation)
         batch, _ = policy.predict(np.stack([observation] * 3))

@@ -8,19 +8,21 @@ import pytest
 
 from rss_gym.baselines.road import World, make
 from rss_gym.cli import main
+from rss_gym.highway import observation
 from rss_gym.highway.env import RoadEnv
 from rss_gym.params import ParamsError
 from rss_gym.train import recipe as world_recipes
 from rss_gym.train import road
 
 SHORT = "algorithm.n_steps=8 algorithm.batch_size=16 algorithm.n_epochs=1 validation.episodes=1 recipe.n_envs=2".split()
+SHORT += "imitation.episodes=1 imitation.epochs=1 imitation.critic_steps=8".split()
 
 
 def test_shipped_recipes_name_every_number():
     for name, path in road.recipes().items():
         found = road.load(name)
         text = path.read_text(encoding="utf-8")
-        for section in ("algorithm", "policy", "validation"):
+        for section in ("algorithm", "policy", "imitation", "validation"):
             for key in found.to_dict()[section]:
                 assert f"\n{key} = " in text, key
         assert not road.is_road("ppo-short") and name not in world_recipes.recipes()
@@ -36,6 +38,9 @@ def test_shipped_recipes_name_every_number():
         ({"policy.features": "approach"}, "features must be 'none' on a road"),
         ({"policy.zeroed": "radio"}, "zeroed must be 'nothing' on a road, got 'radio'; .*world.radio = false"),
         ({"vec.n_envs": 2}, "write section.key=value"),
+        ({"imitation.policy": "rul"}, "policy = 'rul' is no driver to imitate; did you mean 'rule'"),
+        ({"imitation.policy": "idm"}, "policy = 'idm' is no driver to imitate"),
+        ({"imitation.disturbance": 1.5}, r"disturbance must be in \[0, 1\]"),
     ],
 )
 def test_refused(changes, sentence):
@@ -99,6 +104,31 @@ def test_a_driver_with_zeroed_fields_is_refused(run, tmp_path):
     (folder / "policy.json").write_text(json.dumps(document))
     with pytest.raises(ParamsError, match="zeroed must be 'nothing' on a road, got 'radio'"):
         make(str(folder), World.of(RoadEnv()))
+
+
+def test_imitation_sees_the_vehicles_where_the_actor_does_not():
+    pytest.importorskip("stable_baselines3")
+    from rss_gym.train.road.imitation import drives
+
+    changes = {"imitation.episodes": 2, "imitation.disturbance": 0.5}
+    (seen, chosen), (blind, same) = (
+        drives(road.load("highway", {**changes, "world.radio": radio}), seed=0) for radio in (True, False)
+    )
+    names = np.array([field.name for field in observation.fields(RoadEnv().params)])
+    vehicles = np.char.startswith(names, "vehicle_")
+    assert np.array_equal(chosen, same) and len(set(chosen)) > 1
+    assert seen[:, vehicles].any() and not blind[:, vehicles].any()
+    assert np.array_equal(seen[:, ~vehicles], blind[:, ~vehicles])
+
+
+def test_imitation_fits_the_actor():
+    sb3 = pytest.importorskip("stable_baselines3")
+    from rss_gym.train.road.imitation import imitate
+
+    recipe = road.load("highway", {"imitation.episodes": 6, "imitation.epochs": 300})
+    model = sb3.PPO("MlpPolicy", recipe.environment(), policy_kwargs={"net_arch": [64]}, seed=0, device="cpu")
+    told = imitate(model, recipe, seed=0)
+    assert told.startswith("imitated rule in ") and float(told.split()[-2].rstrip("%")) > 90.0
 
 
 def test_exported_network_is_sb3s():

@@ -22,6 +22,7 @@ from rss_gym.files import replaced_folder
 from rss_gym.train.learner import _arguments, _network
 from rss_gym.train.loop import SEED_STRIDE
 from rss_gym.train.road.export import agent, export
+from rss_gym.train.road.imitation import imitate
 from rss_gym.train.road.recipe import RoadRecipe
 
 BEST, VALIDATION = "best", "validation.csv"
@@ -69,6 +70,8 @@ def train_seed(recipe: RoadRecipe, folder: Path, index: int, record: dict[str, A
     table = recipe.hyperparameters
     model = PPO("MlpPolicy", venv, policy_kwargs=_network(recipe.policy), seed=seed, device="cpu", **_arguments(table))
     model.set_logger(configure(str(folder), ["csv"]))
+    if recipe.imitation.episodes:
+        print(f"seed {index}: {imitate(model, recipe, seed)}", flush=True)
     keeper = _Keeper(recipe, folder, {**record, "seed": seed})
     model.learn(recipe.head.steps, callback=keeper)
     model.logger.close()
@@ -96,19 +99,20 @@ class _Keeper(BaseCallback):
         return True
 
     def _on_rollout_start(self) -> None:
-        every = self.recipe.validation.every_steps
-        if self.num_timesteps // every > self._seen // every:
+        table, every = self.recipe.imitation, self.recipe.validation.every_steps
+        if self.num_timesteps // every > self._seen // every or (self.num_timesteps == 0 and table.episodes):
             self._validate()
+        policy: Any = self.model.policy
+        for part in (policy.mlp_extractor.policy_net, policy.action_net):
+            part.requires_grad_(not table.episodes or self.num_timesteps >= table.critic_steps)
         self._seen = self.num_timesteps
 
     def _on_training_end(self) -> None:
         self._validate()
 
     def _validate(self) -> None:
-        radio = bool(self.recipe.world.get("radio", True))
-        score = validate(
-            agent(self.model, self.world, radio), self.env, self.recipe.validation.episodes, self.num_timesteps
-        )
+        radio, episodes = self.recipe.radio, self.recipe.validation.episodes
+        score = validate(agent(self.model, self.world, radio), self.env, episodes, self.num_timesteps)
         self._rows.append(score)
         with open(self.folder / VALIDATION, "w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(asdict(score)))
@@ -122,8 +126,9 @@ class _Keeper(BaseCallback):
                 export(self.model, self.world, radio, observations, new, {**self.record, "validation": asdict(score)})
 
     def _observations(self) -> np.ndarray:
-        """Those of the last rollout."""
-        rows = self.model.rollout_buffer.observations  # type: ignore[attr-defined]
+        """Those of the last rollout, before it those that it starts with."""
+        model: Any = self.model
+        rows: np.ndarray = model.rollout_buffer.observations if self.num_timesteps else model._last_obs
         return rows.reshape(-1, rows.shape[-1])
 
 

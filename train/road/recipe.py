@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rss_gym.baselines.road import POLICIES
 from rss_gym.highway.env import RoadEnv
 from rss_gym.ids import ROADS
 from rss_gym.params import Group, ParamsError, number, suggestion
@@ -16,7 +17,7 @@ from rss_gym.train.hyperparameters import Ppo, PpoNetwork, Validation
 from rss_gym.train.recipe import _group
 
 FOLDER = Path(__file__).parent / "recipes"
-SECTIONS = ("recipe", "world", "algorithm", "policy", "validation")
+SECTIONS = ("recipe", "world", "algorithm", "policy", "imitation", "validation")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +36,41 @@ class Head(Group):
             raise ParamsError(f"env = {self.env!r} is no road{suggestion(str(self.env), ROADS)}")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoadImitation(Group):
+    """The table `[imitation]`: what the actor learns before PPO; nothing where `episodes` is zero.
+
+    Parameters
+    ----------
+    policy : str
+        A scripted driver that chooses actions, as on the command line. It sees the vehicles, whatever the actor sees.
+    episodes : int
+        To drive.
+    disturbance : float
+        Share of its decisions that are replaced at random, so that states off its way are seen.
+    epochs, batch_size : int
+    learning_rate : float
+    critic_steps : int
+        So many first decisions of PPO teach the critic alone: one that knows nothing spoils the actor.
+    """
+
+    policy: str = "rule"
+    episodes: int = number(0, 0, 10**5)
+    disturbance: float = number(0.1, 0.0, 1.0)
+    epochs: int = number(20, 1, 1000)
+    batch_size: int = number(64, 1, 10**6)
+    learning_rate: float = number(1e-3, 1e-8, 1.0)
+    critic_steps: int = number(0, 0, 10**9)
+
+    def __post_init__(self) -> None:
+        """Check the name."""
+        Group.__post_init__(self)
+        known = [name for name, kind in POLICIES.items() if not kind.keywords]
+        name = str(self.policy).partition(":")[0]
+        if name not in known:
+            raise ParamsError(f"policy = {self.policy!r} is no driver to imitate{suggestion(name, known)}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class RoadRecipe:
     """A training on a road; `world` are keywords of its environment."""
@@ -44,6 +80,7 @@ class RoadRecipe:
     world: dict[str, Any]
     hyperparameters: Ppo
     policy: PpoNetwork
+    imitation: RoadImitation
     validation: Validation
 
     def __post_init__(self) -> None:
@@ -61,9 +98,14 @@ class RoadRecipe:
                 f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got {self.hyperparameters.batch_size}"
             )
 
-    def environment(self) -> RoadEnv:
+    @property
+    def radio(self) -> bool:
+        """Whether the actor sees the other vehicles."""
+        return bool(self.world.get("radio", True))
+
+    def environment(self, **changes: Any) -> RoadEnv:
         """The road, new."""
-        keywords: dict[str, Any] = {**ROADS[self.head.env], **self.world}
+        keywords: dict[str, Any] = {**ROADS[self.head.env], **self.world, **changes}
         return RoadEnv(**keywords)
 
     def to_dict(self) -> dict[str, Any]:
@@ -73,6 +115,7 @@ class RoadRecipe:
             "world": self.world,
             "algorithm": self.hyperparameters.to_dict(),
             "policy": self.policy.to_dict(),
+            "imitation": self.imitation.to_dict(),
             "validation": self.validation.to_dict(),
         }
 
@@ -136,6 +179,7 @@ def from_dict(name: str, tables: Mapping[str, Any]) -> RoadRecipe:
             world=dict(tables.get("world", {})),
             hyperparameters=_group("algorithm", Ppo(), tables),
             policy=_group("policy", PpoNetwork(), tables),
+            imitation=_group("imitation", RoadImitation(), tables),
             validation=_group("validation", Validation(every_steps=5_120, episodes=50), tables),
         )
     except ParamsError as error:

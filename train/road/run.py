@@ -94,7 +94,7 @@ def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], be
     """What a driver was trained on, how its seeds did, and what it is not for."""
     env = recipe.environment()
     track, zone_m = env.params.interface.track, env.params.zone.radius_m
-    sees = "ranges and messages of the nearest vehicles" if recipe.world.get("radio", True) else "no other vehicle"
+    sees = "ranges and messages of the nearest vehicles" if recipe.radio else "no other vehicle"
     rows = "\n".join(
         f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.deviation_m:.1f} | {score.return_:.2f} |"
         for index, score in enumerate(scores)
