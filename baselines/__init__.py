@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from rss_gym.baselines import shipped
-from rss_gym.baselines.agent import DOCUMENT, Agent, load
+from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.blind import Blind, Climb, Constant
 from rss_gym.baselines.cbf import Cbf
 from rss_gym.baselines.modified_orthogonal import ModifiedOrthogonal
@@ -24,6 +24,7 @@ from rss_gym.baselines.mvp import Mvp
 from rss_gym.baselines.orca import Orca
 from rss_gym.baselines.orthogonal import Orthogonal
 from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
+from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.baselines.shipped import AGENTS

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from rss_gym.baselines.agent import DOCUMENT, Agent, load
+from rss_gym.baselines.agent import Agent, load
+from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.params import Params, ParamsError
 
 FOLDER = Path(__file__).parent / "agents"

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from safetensors.numpy import save_file
 
-from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Network
+from rss_gym.baselines.policy_files import DOCUMENT, FORMAT, WEIGHTS, Network
 from rss_gym.eval import evaluate
 from rss_gym.params import Params
 

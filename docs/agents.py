@@ -15,7 +15,8 @@ from typing import Any
 
 from opponents import picture, table
 
-from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, Agent, load
+from rss_gym.baselines.agent import Agent, load
+from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
 from rss_gym.baselines.shipped import FOLDER
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.text import cell
@@ -25,6 +26,7 @@ from rss_gym.params import Params, ParamsError, load_channel, presets
 from rss_gym.train import recipe as recipes
 from rss_gym.train import run as runs
 from rss_gym.train.recipe import Recipe
+from rss_gym.train.run_record import AGENT, BEST, copy_policy
 
 CARD, CURVES, CHART = "card.md", "curves.csv", "curves.svg"
 NAME = re.compile("[a-z][a-z0-9-]{1,40}")
@@ -59,7 +61,7 @@ def seeds_of(run: Path, recipe: Recipe, numbers: list[int]) -> list[Seed]:
             rows = list(csv.DictReader(file))
         if int(rows[-1]["steps"]) < recipe.steps:
             raise ParamsError(f"{folder} has {rows[-1]['steps']} of {recipe.steps} steps; train it to its end first")
-        seeds.append(Seed(number, load(folder / runs.BEST, recipe.params), rows))
+        seeds.append(Seed(number, load(folder / BEST, recipe.params), rows))
     return seeds
 
 
@@ -223,14 +225,13 @@ def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER) -> Path:
         raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as pathwise-plane")
     recipe, document = runs.read(run)
     seeds = seeds_of(run, recipe, document["seeds"])
-    digest = load(run / runs.AGENT, recipe.params).digest
+    digest = load(run / AGENT, recipe.params).digest
     shipped = next((seed for seed in seeds if seed.agent.digest == digest), None)
     if shipped is None:
-        raise ParamsError(f"{run / runs.AGENT} is not the best policy of one of its seeds; go on with the run first")
+        raise ParamsError(f"{run / AGENT} is not the best policy of one of its seeds; go on with the run first")
     into.mkdir(exist_ok=True)
     with replaced_folder(into / name) as folder:
-        for file in (DOCUMENT, WEIGHTS):
-            (folder / file).write_bytes((run / runs.AGENT / file).read_bytes())
+        copy_policy(run / AGENT, folder)
         write_text(folder / CARD, card(name, recipe, document, seeds, shipped, limits))
         write_text(folder / CURVES, curves(seeds))
         write_text(folder / CHART, chart(seeds, shipped))

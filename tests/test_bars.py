@@ -12,7 +12,7 @@ from safetensors.numpy import save_file
 from scipy import stats
 
 from rss_gym import baselines
-from rss_gym.baselines.agent import Network
+from rss_gym.baselines.policy_files import Network
 from rss_gym.eval.curve import Points
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.suites import find

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from rss_gym import observation
-from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, load
+from rss_gym.baselines.agent import load
 from rss_gym.baselines.features import FEATURES, names
 from rss_gym.baselines.features.masks import MASKS
+from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS
 from rss_gym.params import Params, ParamsError, suggestion

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.baselines.agent import DOCUMENT, FORMAT, WEIGHTS, Agent, Network, load
+from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.features import FEATURES, append
 from rss_gym.baselines.features.masks import kept
+from rss_gym.baselines.policy_files import DOCUMENT, FORMAT, WEIGHTS, Network
 from rss_gym.core import Batch, decode
 from rss_gym.files import new_folder
 from rss_gym.params import Params, ParamsError
@@ -110,7 +111,7 @@ def export(
 
     document, tensors = _described(model, world, inputs)
     with new_folder(out) as folder:
-        _write_document(folder, document)
+        write_document(folder, document)
         (folder / WEIGHTS).write_bytes(save(tensors))
         difference = compare(model, folder, world, inputs.normalisation)
         if not difference <= TOLERANCE:
@@ -118,7 +119,7 @@ def export(
                 f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
                 f"{TOLERANCE:g} is allowed, so nothing was written"
             )
-        _write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
+        write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
     return difference
 
 
@@ -149,7 +150,8 @@ def _described(model: Any, world: Params, inputs: Inputs) -> tuple[dict[str, Any
     return document, {name: tensors[name] for name in shapes}
 
 
-def _write_document(folder: Path, document: dict[str, Any]) -> None:
+def write_document(folder: Path, document: dict[str, Any]) -> None:
+    """Write `policy.json`."""
     (folder / DOCUMENT).write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
@@ -192,19 +194,19 @@ def _taken(model: Any, inputs: Inputs) -> tuple[Network, dict[str, np.ndarray]]:
         raise ParamsError(f"a model of kind {kind!r} cannot be exported; PPO, SAC and RecurrentPPO can")
     if len(model.action_space.shape) != 1:
         raise ParamsError(f"an action space {model.action_space} cannot be exported; continuous actions can")
-    linear, activation = _split(hidden, kind)
+    linear, activation = dense_layers(hidden, kind)
     tensors: dict[str, np.ndarray] = {}
     for index, layer in enumerate([*linear, last]):
-        tensors |= {f"{index}.weight": _array(layer.weight).T, f"{index}.bias": _array(layer.bias)}
+        tensors |= {f"{index}.weight": array(layer.weight).T, f"{index}.bias": array(layer.bias)}
     units = 0
     if lstm is not None:
         if lstm.num_layers != 1:
             raise ParamsError(f"an LSTM of {lstm.num_layers} layers cannot be exported; one of a single layer can")
         units = lstm.hidden_size
         tensors |= {
-            "lstm.input": _array(lstm.weight_ih_l0).T,
-            "lstm.hidden": _array(lstm.weight_hh_l0).T,
-            "lstm.bias": _array(lstm.bias_ih_l0) + _array(lstm.bias_hh_l0),
+            "lstm.input": array(lstm.weight_ih_l0).T,
+            "lstm.hidden": array(lstm.weight_hh_l0).T,
+            "lstm.bias": array(lstm.bias_ih_l0) + array(lstm.bias_hh_l0),
         }
     if normalisation is not None:
         std = np.sqrt(normalisation.variance + normalisation.epsilon)
@@ -222,7 +224,7 @@ def _taken(model: Any, inputs: Inputs) -> tuple[Network, dict[str, np.ndarray]]:
     return network, {name: np.ascontiguousarray(tensor, dtype=np.float32) for name, tensor in tensors.items()}
 
 
-def _split(hidden: Any, kind: str) -> tuple[list[Any], str]:
+def dense_layers(hidden: Any, kind: str) -> tuple[list[Any], str]:
     """The dense layers of a `Sequential`, and the activation between them."""
     import torch
 
@@ -234,5 +236,6 @@ def _split(hidden: Any, kind: str) -> tuple[list[Any], str]:
     return linear, names[others.pop()] if others else "identity"
 
 
-def _array(tensor: Any) -> np.ndarray:
+def array(tensor: Any) -> np.ndarray:
+    """A parameter of PyTorch."""
     return tensor.detach().cpu().numpy()

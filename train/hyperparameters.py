@@ -9,11 +9,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
-from rss_gym.baselines.agent import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
 from rss_gym.baselines.features import FEATURES
 from rss_gym.baselines.features.masks import MASKS
+from rss_gym.baselines.policy_files import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
 from rss_gym.params import Group, ParamsError, choice, number, suggestion
 
 Activation = Literal["tanh", "relu"]
@@ -277,3 +277,14 @@ ALGORITHMS: dict[str, Algorithm] = {
     "recurrent-ppo": Algorithm("sb3_contrib", "RecurrentPPO", "MlpLstmPolicy", RecurrentPpo, RecurrentNetwork),
     "sac": Algorithm("stable_baselines3", "SAC", "MlpPolicy", Sac, SacNetwork),
 }
+
+
+G = TypeVar("G", bound=Group)
+
+
+def group(section: str, defaults: G, tables: Mapping[str, Any]) -> G:
+    """A section of a recipe's tables over its defaults; errors name the section."""
+    try:
+        return defaults.replace(**tables.get(section, {}))
+    except ParamsError as error:
+        raise ParamsError(f"[{section}]: {error}") from error

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 import io
 import json
@@ -13,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.save_util import load_from_zip_file
-from stable_baselines3.common.utils import LinearSchedule, set_random_seed
+from stable_baselines3.common.utils import set_random_seed
 from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 
 from rss_gym.baselines.agent import Agent
@@ -21,8 +20,9 @@ from rss_gym.params import ParamsError
 from rss_gym.train import export
 from rss_gym.train.course import Course
 from rss_gym.train.features import Features
-from rss_gym.train.hyperparameters import ALGORITHMS, Pathwise, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.hyperparameters import ALGORITHMS, Sac
 from rss_gym.train.recipe import Recipe
+from rss_gym.train.sb3_arguments import arguments, network
 
 MODEL, STATE = "model.zip", "state.json"
 RECENT = 1000  # episodes that the progress is averaged over
@@ -79,11 +79,11 @@ class Learner:
         model = getattr(importlib.import_module(kind.module), kind.name)(
             kind.policy_name,
             venv,
-            policy_kwargs=_network(recipe.policy),
+            policy_kwargs=network(recipe.policy),
             seed=seed,
             device="cpu",
             stats_window_size=RECENT,
-            **_arguments(recipe.hyperparameters),
+            **arguments(recipe.hyperparameters),
         )
         learner = cls(recipe, seed, course, venv, model)
         if recipe.algorithm == "pathwise":
@@ -190,25 +190,3 @@ class Learner:
         model._last_episode_starts = np.ones(self.venv.num_envs, bool)
         if isinstance(self.venv, VecNormalize):
             model._last_original_obs = self.venv.get_original_obs()
-
-
-def _arguments(table: Ppo | Pathwise | Sac) -> dict[str, Any]:
-    """As SB3 takes them."""
-    found: dict[str, Any] = {}
-    for item in dataclasses.fields(table):
-        value = getattr(table, item.name)
-        if isinstance(value, Schedule):
-            is_constant = value.end == 1.0
-            value = value.start if is_constant else LinearSchedule(value.start, value.start * value.end, 1.0)
-        found[item.name] = None if item.name in ("clip_range_vf", "target_kl") and value == 0.0 else value
-    return found
-
-
-def _network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
-    """As SB3's policies take them."""
-    from torch import nn
-
-    found = table.to_dict()
-    del found["features"], found["zeroed"]  # of the rows
-    found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]
-    return found

@@ -23,10 +23,11 @@ from rss_gym.train.imitation import imitate
 from rss_gym.train.learner import STATE, Learner
 from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
+from rss_gym.train.run_record import BEST
 from rss_gym.train.table import Table
 from rss_gym.train.validation import Choice, Validator, safest_from_dict
 
-CHECKPOINT, SAFEST, BEST, BEST_MODEL = "checkpoint", "safest.json", "best", "best.zip"
+CHECKPOINT, SAFEST, BEST_MODEL = "checkpoint", "safest.json", "best.zip"
 PROGRESS, VALIDATION, TENSORBOARD = "progress.csv", "validation.csv", "tensorboard"
 LOCK = "lock"
 STEPS = "time/total_timesteps"  # SB3's name

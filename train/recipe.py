@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from rss_gym import baselines
 from rss_gym.baselines.features import FEATURES
@@ -19,7 +19,7 @@ from rss_gym.baselines.policy import Scripted
 from rss_gym.core import spaces
 from rss_gym.encounters import chosen
 from rss_gym.ids import IDS
-from rss_gym.params import Group, Params, ParamsError, load_channel, suggestion
+from rss_gym.params import Params, ParamsError, load_channel, suggestion
 from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
@@ -31,6 +31,7 @@ from rss_gym.train.hyperparameters import (
     SacNetwork,
     Validation,
     Vec,
+    group,
 )
 
 FOLDER = Path(__file__).parent / "recipes"
@@ -262,13 +263,13 @@ def from_dict(name: str, tables: Mapping[str, Any]) -> Recipe:
             name=name,
             **head,
             world=_world(tables.get("world", {})),
-            vec=_group("vec", Vec(), tables),
-            hyperparameters=_group("algorithm", kind.hyperparameters(), tables),
-            policy=_group("policy", kind.network(), tables),
-            imitation=_group("imitation", Imitation(), tables),
+            vec=group("vec", Vec(), tables),
+            hyperparameters=group("algorithm", kind.hyperparameters(), tables),
+            policy=group("policy", kind.network(), tables),
+            imitation=group("imitation", Imitation(), tables),
             curriculum=tuple(_stage(table) for table in tables.get("curriculum", [])),
-            validation=_group("validation", Validation(), tables),
-            checkpoint=_group("checkpoint", Checkpoint(), tables),
+            validation=group("validation", Validation(), tables),
+            checkpoint=group("checkpoint", Checkpoint(), tables),
         )
     except ParamsError as error:
         raise ParamsError(f"recipe {name!r}: {error}") from error
@@ -314,16 +315,6 @@ def _head(table: Mapping[str, Any]) -> dict[str, Any]:
     if type(steps) is not int or not 1 <= steps <= STEPS_MAX:
         raise ParamsError(f"[recipe]: steps must be a whole number in [1, {STEPS_MAX:g}], got {steps!r}")
     return {"summary": summary, "algorithm": table["algorithm"], "env": table["env"], "steps": steps}
-
-
-G = TypeVar("G", bound=Group)
-
-
-def _group(section: str, defaults: G, tables: Mapping[str, Any]) -> G:
-    try:
-        return defaults.replace(**tables.get(section, {}))
-    except ParamsError as error:
-        raise ParamsError(f"[{section}]: {error}") from error
 
 
 def _world(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,22 +12,19 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
-import shutil
-import subprocess
 import sys
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from importlib.metadata import PackageNotFoundError, version
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from rss_gym.baselines.agent import DOCUMENT, WEIGHTS, load
-from rss_gym.eval.records import versions
+from rss_gym.baselines.agent import load
+from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.eval.workers import end_with, interrupts_held
 from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
 from rss_gym.params import ParamsError
@@ -35,14 +32,12 @@ from rss_gym.train import recipe as recipes
 from rss_gym.train.hyperparameters import ALGORITHMS
 from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
+from rss_gym.train.run_record import AGENT, BEST, FORMAT, RUN, check_count, copy_policy, revision, versions
 
 if TYPE_CHECKING:
     from rss_gym.train.loop import Times
 
-RUN, AGENT, LOCK = "run.json", "agent", "lock"
-BEST = "best"
-FORMAT = 1
-SEEDS_MAX = 1000
+LOCK = "lock"
 
 
 def start(
@@ -79,8 +74,8 @@ def start(
     ParamsError
         For numbers out of range, a folder that exists, or packages that are missing.
     """
-    _whole("seeds", seeds, SEEDS_MAX)
-    _whole("workers", workers, SEEDS_MAX)
+    check_count("seeds", seeds)
+    check_count("workers", workers)
     check_new(out)
     _loop(recipe)
     with new_folder(out) as folder:
@@ -98,7 +93,7 @@ def resume(folder: str | os.PathLike[str], workers: int = 1, show: bool | None =
     ParamsError
         If this is not the folder of a run, another process trains it, or its world is another one today.
     """
-    _whole("workers", workers, SEEDS_MAX)
+    check_count("workers", workers)
     _loop(read(folder)[0])
     return _train(Path(folder), workers, show)
 
@@ -116,7 +111,7 @@ def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
         if document["format"] != FORMAT:
             raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
         recipe = recipes.from_dict(document["name"], document["recipe"])
-        _whole("seeds", len(document["seeds"]), SEEDS_MAX)
+        check_count("seeds", len(document["seeds"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ParamsError(f"{str(folder)!r} is not the folder of a run: {RUN}: {error}") from error
     if recipe.params.to_dict() != document["world"]:
@@ -165,11 +160,6 @@ def _loop(recipe: Recipe) -> None:
         raise ParamsError(f"training needs {module} ({error}): pip install 'rss-gym[train]'") from error
 
 
-def _whole(name: str, value: Any, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= most:
-        raise ParamsError(f"{name} must be a whole number in [1, {most}], got {value!r}")
-
-
 def _document(recipe: Recipe, seeds: int, command: Sequence[str]) -> dict[str, Any]:
     from rss_gym.train.loop import SEED_STRIDE
 
@@ -179,34 +169,10 @@ def _document(recipe: Recipe, seeds: int, command: Sequence[str]) -> dict[str, A
         "recipe": recipe.to_dict(),
         "world": recipe.params.to_dict(),
         "seeds": [index * SEED_STRIDE for index in range(seeds)],
-        "versions": {**versions(), **_versions("torch", "stable-baselines3", "sb3-contrib")},
-        "revision": _revision(),
+        "versions": versions("torch", "stable-baselines3", "sb3-contrib"),
+        "revision": revision(),
         "command": list(command),
     }
-
-
-def _versions(*names: str) -> dict[str, str]:
-    found = {}
-    for name in names:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unknown"
-    return found
-
-
-def _revision() -> str | None:
-    """The Git revision of this package's sources, `-dirty` after changes; None outside a repository of its own."""
-
-    def git(*arguments: str) -> str:
-        here = Path(__file__).resolve().parent
-        return subprocess.run(["git", *arguments], cwd=here, capture_output=True, text=True, check=True).stdout.strip()
-
-    try:
-        git("ls-files", "--error-unmatch", Path(__file__).name)
-        return git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
-    except (OSError, subprocess.CalledProcessError):
-        return None
 
 
 def _train(folder: Path, workers: int, show: bool | None) -> Path:
@@ -226,8 +192,7 @@ def _train(folder: Path, workers: int, show: bool | None) -> Path:
             _spread(folder, count, workers, bars)
         best, table = best_seed(folder)
         with replaced_folder(folder / AGENT) as new:
-            for file in (DOCUMENT, WEIGHTS):
-                shutil.copyfile(best / file, new / file)
+            copy_policy(best, new)
         print(f"{table}\nagent: {folder / AGENT}", flush=True)
     return folder / AGENT
 

@@ -1,6 +1,7 @@
 """Learned drivers from a folder, `policy.json` and `policy.safetensors`: numbers only, nothing in them can run.
 
-The files are those of `rss_gym.baselines.agent`; the interface is a road's, and the action the largest of the outputs.
+The files are those of `rss_gym.baselines.policy_files`; the interface is a road's, and the action the largest of the
+outputs.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.baselines import agent as files
+from rss_gym.baselines import policy_files as files
 from rss_gym.baselines.network import ACTIVATIONS, feed_forward
 from rss_gym.baselines.road.policy import World
 from rss_gym.highway import observation
@@ -83,13 +84,11 @@ def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
         For a missing, truncated or foreign file, an unknown or missing field, a value out of bounds, a tensor of
         another shape or with a value that is not finite, or a road or track that it was not made for.
     """
-    place = Path(folder)
     try:
-        text = files._read(place / files.DOCUMENT, files.DOCUMENT_LIMIT)
-        blob = files._read(place / files.WEIGHTS, files.WEIGHTS_LIMIT)
-        document = files._document(text)
-        network, interface = files._network(document["network"]), document["interface"]
-        files._same_names(f"{files.DOCUMENT}, interface", interface, INTERFACE)
+        text, blob = files.read(Path(folder))
+        document = files.document_of(text)
+        network, interface = files.network_of(document["network"]), document["interface"]
+        files.same_names(f"{files.DOCUMENT}, interface", interface, INTERFACE)
         if not isinstance(interface["radio"], bool):
             raise ParamsError(f"{files.DOCUMENT}, interface: radio must be true or false, got {interface['radio']!r}")
         track = world.params.interface.track
@@ -107,7 +106,7 @@ def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
             raise ParamsError(f"{files.DOCUMENT}, network: on a road only dense layers are supported")
         if network.zeroed != "nothing":
             raise ParamsError(f"{files.DOCUMENT}, network: zeroed must be 'nothing' on a road, got {network.zeroed!r}")
-        tensors = files._tensors(blob, shapes(network.layers, world))
+        tensors = files.tensors_of(blob, shapes(network.layers, world))
     except ParamsError as error:
         raise ParamsError(f"policy folder {os.fspath(folder)!r}: {error}") from error
     return RoadAgent(tensors, network.activation, interface["radio"], hashlib.sha256(text + blob).hexdigest())

@@ -7,7 +7,7 @@ import pytest
 from safetensors.numpy import save_file
 
 from rss_gym import baselines
-from rss_gym.baselines.agent import Network
+from rss_gym.baselines.policy_files import Network
 from rss_gym.eval.policies import entry
 from rss_gym.observation import fields
 from rss_gym.params import Params

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.baselines.agent import FORMAT, WEIGHTS, Network
+from rss_gym.baselines.policy_files import FORMAT, WEIGHTS, Network
 from rss_gym.baselines.road import World
 from rss_gym.baselines.road.agent import RoadAgent, inputs, load, shapes
 from rss_gym.files import new_folder
 from rss_gym.params import ParamsError
-from rss_gym.train.export import _array, _split, _write_document
+from rss_gym.train.export import array, dense_layers, write_document
 
 TOLERANCE = 1e-4  # of log-probabilities, which SB3 computes in single precision
 
@@ -29,10 +29,10 @@ def taken(model: Any, world: World) -> tuple[dict[str, np.ndarray], Network]:
     policy, kind = model.policy, type(model).__name__
     if not hasattr(policy, "mlp_extractor") or not hasattr(model.action_space, "n"):
         raise ParamsError(f"a {kind} with actions {model.action_space} cannot be exported; PPO with discrete ones can")
-    linear, activation = _split(policy.mlp_extractor.policy_net, kind)
+    linear, activation = dense_layers(policy.mlp_extractor.policy_net, kind)
     tensors: dict[str, np.ndarray] = {}
     for index, layer in enumerate([*linear, policy.action_net]):
-        weight, bias = _array(layer.weight).T, _array(layer.bias)
+        weight, bias = array(layer.weight).T, array(layer.bias)
         tensors |= {f"{index}.weight": np.ascontiguousarray(weight, np.float32), f"{index}.bias": bias}
     network = Network(layers=tuple(layer.out_features for layer in linear), activation=activation)
     for name, shape in shapes(network.layers, world).items():
@@ -78,7 +78,7 @@ def export(
         "training": {},
     }
     with new_folder(out) as folder:
-        _write_document(folder, document)
+        write_document(folder, document)
         (folder / WEIGHTS).write_bytes(save(tensors))
         difference = compare(model, load(folder, world), observations)
         if not difference <= TOLERANCE:
@@ -86,7 +86,7 @@ def export(
                 f"the exported driver differs from SB3's by {difference:.2g} in its log-probabilities; at most "
                 f"{TOLERANCE:g} is allowed, so nothing was written"
             )
-        _write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
+        write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
     return difference
 
 

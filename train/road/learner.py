@@ -19,13 +19,14 @@ from rss_gym.baselines.road import World
 from rss_gym.eval.episodes import Block
 from rss_gym.eval.road.drives import drive
 from rss_gym.files import replaced_folder
-from rss_gym.train.learner import _arguments, _network
 from rss_gym.train.loop import SEED_STRIDE
 from rss_gym.train.road.export import agent, export
 from rss_gym.train.road.imitation import imitate
 from rss_gym.train.road.recipe import RoadRecipe
+from rss_gym.train.run_record import BEST
+from rss_gym.train.sb3_arguments import arguments, network
 
-BEST, VALIDATION = "best", "validation.csv"
+VALIDATION = "validation.csv"
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def train_seed(recipe: RoadRecipe, folder: Path, index: int, record: dict[str, A
     seed, began = index * SEED_STRIDE, perf_counter()
     venv = VecMonitor(DummyVecEnv([recipe.environment] * recipe.head.n_envs))
     table = recipe.hyperparameters
-    model = PPO("MlpPolicy", venv, policy_kwargs=_network(recipe.policy), seed=seed, device="cpu", **_arguments(table))
+    model = PPO("MlpPolicy", venv, policy_kwargs=network(recipe.policy), seed=seed, device="cpu", **arguments(table))
     model.set_logger(configure(str(folder), ["csv"]))
     if recipe.imitation.episodes:
         print(f"seed {index}: {imitate(model, recipe, seed)}", flush=True)

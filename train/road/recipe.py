@@ -13,8 +13,7 @@ from rss_gym.baselines.road import POLICIES
 from rss_gym.highway.env import RoadEnv
 from rss_gym.ids import ROADS
 from rss_gym.params import Group, ParamsError, number, suggestion
-from rss_gym.train.hyperparameters import Ppo, PpoNetwork, Validation
-from rss_gym.train.recipe import _group
+from rss_gym.train.hyperparameters import Ppo, PpoNetwork, Validation, group
 
 FOLDER = Path(__file__).parent / "recipes"
 SECTIONS = ("recipe", "world", "algorithm", "policy", "imitation", "validation")
@@ -175,12 +174,12 @@ def from_dict(name: str, tables: Mapping[str, Any]) -> RoadRecipe:
                 raise ParamsError(f"[{section}] must be a table")
         return RoadRecipe(
             name=name,
-            head=_group("recipe", Head(), tables),
+            head=group("recipe", Head(), tables),
             world=dict(tables.get("world", {})),
-            hyperparameters=_group("algorithm", Ppo(), tables),
-            policy=_group("policy", PpoNetwork(), tables),
-            imitation=_group("imitation", RoadImitation(), tables),
-            validation=_group("validation", Validation(every_steps=5_120, episodes=50), tables),
+            hyperparameters=group("algorithm", Ppo(), tables),
+            policy=group("policy", PpoNetwork(), tables),
+            imitation=group("imitation", RoadImitation(), tables),
+            validation=group("validation", Validation(every_steps=5_120, episodes=50), tables),
         )
     except ParamsError as error:
         raise ParamsError(f"recipe {name!r}: {error}") from error

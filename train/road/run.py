@@ -6,18 +6,15 @@ import functools
 import json
 import multiprocessing
 import os
-import shutil
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rss_gym.baselines.agent import DOCUMENT, WEIGHTS
-from rss_gym.eval.records import versions
 from rss_gym.files import check_new, write_text
 from rss_gym.params import ParamsError
 from rss_gym.train.road.recipe import RoadRecipe
-from rss_gym.train.run import AGENT, FORMAT, RUN, SEEDS_MAX, _revision, _versions, _whole
+from rss_gym.train.run_record import AGENT, BEST, FORMAT, RUN, check_count, copy_policy, revision, versions
 
 if TYPE_CHECKING:
     from rss_gym.train.road.learner import Score
@@ -52,8 +49,8 @@ def start(
     ParamsError
         For numbers out of range, a folder that exists, or packages that are missing.
     """
-    _whole("seeds", seeds, SEEDS_MAX)
-    _whole("workers", workers, SEEDS_MAX)
+    check_count("seeds", seeds)
+    check_count("workers", workers)
     folder = check_new(out)
     recipe.environment().close()  # refuses what is wrong with the road
     try:
@@ -63,8 +60,8 @@ def start(
     record: dict[str, Any] = {
         "name": recipe.name,
         "recipe": recipe.to_dict(),
-        "versions": {**versions(), **_versions("highway-env", "torch", "stable-baselines3")},
-        "revision": _revision(),
+        "versions": versions("highway-env", "torch", "stable-baselines3"),
+        "revision": revision(),
     }
     document = {"format": FORMAT, **record, "seeds": seeds, "command": list(command)}
     folder.mkdir(parents=True, exist_ok=True)
@@ -77,8 +74,7 @@ def start(
             scores = list(pool.map(task, range(seeds)))
     best = max(range(seeds), key=lambda index: scores[index].return_)
     (folder / AGENT).mkdir()
-    for file in (DOCUMENT, WEIGHTS):
-        shutil.copyfile(folder / f"seed-{best}" / "best" / file, folder / AGENT / file)
+    copy_policy(folder / f"seed-{best}" / BEST, folder / AGENT)
     write_text(folder / AGENT / CARD, card(recipe, record, scores, best))
     print(f"agent: {folder / AGENT}", flush=True)
     return folder / AGENT
