@@ -1,0 +1,127 @@
+"""Files and tables of a stranger: plain files only, no larger than they may be, and JSON without surprises."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import reprlib
+import stat
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from rss_gym.eval.evaluate import NAME_MAX
+from rss_gym.eval.records import SCORES
+from rss_gym.params import ParamsError, suggestion
+
+DEPTH_MAX = 16
+
+# Field -> test, and what would be right
+Checks = Mapping[str, tuple[Callable[[Any], bool], str]]
+
+
+class RecordError(ParamsError):
+    """A record that is not one, or not intact; the sentence names file, field, value and what would be right."""
+
+
+def parse(data: bytes, file: str) -> Any:
+    """JSON without NaN, infinities, duplicate keys or deep nesting.
+
+    Raises
+    ------
+    RecordError
+        For anything else; `file` is named in the sentence.
+    """
+
+    def pairs(items: list[tuple[str, Any]]) -> dict[str, Any]:
+        table: dict[str, Any] = {}
+        for key, value in items:
+            if key in table:
+                raise RecordError(f"{file}: field {shown(key)} is given twice in one table; it must be given once")
+            table[key] = value
+        return table
+
+    def number(text: str) -> float:
+        value = float(text)
+        if not math.isfinite(value):
+            raise RecordError(f"{file}: number {text[:40]} must be finite")
+        return value
+
+    try:
+        text = data.decode("utf-8")
+        _check_depth(text, file)
+        return json.loads(text, object_pairs_hook=pairs, parse_float=number, parse_constant=number)
+    except RecordError:
+        raise
+    except ValueError as error:  # not UTF-8, not JSON, or a whole number of thousands of digits
+        raise RecordError(f"{file} is not JSON: {error}") from error
+
+
+def _check_depth(text: str, file: str) -> None:
+    depth, quoted = 0, False
+    for match in re.finditer(r'\\.|["\[\]{}]', text):
+        token = match[0]
+        if token == '"':
+            quoted = not quoted
+        elif not quoted and token in "[{":
+            depth += 1
+            if depth > DEPTH_MAX:
+                raise RecordError(f"{file} nests tables and lists deeper than {DEPTH_MAX}; a record does not")
+        elif not quoted and token in "]}":
+            depth -= 1
+
+
+def read_file(file: Path, limit: int) -> bytes:
+    """What a plain file of at most `limit` bytes holds."""
+    with opened(file, limit) as stream:
+        return stream.read(limit)
+
+
+def opened(file: Path, limit: int) -> BinaryIO:
+    """A plain file of at most `limit` bytes, opened."""
+    try:
+        info = file.lstat()
+        if stat.S_ISLNK(info.st_mode):
+            raise RecordError(f"{file} is a symbolic link; a record holds plain files and folders")
+        if not stat.S_ISREG(info.st_mode):
+            raise RecordError(f"{file} is not a plain file")
+        if info.st_size > limit:
+            raise RecordError(f"{file} has {info.st_size} bytes; it must have at most {limit}")
+        return file.open("rb")
+    except FileNotFoundError:
+        raise RecordError(f"{file} is missing; a record holds {SCORES} and its tables") from None
+    except OSError as error:
+        raise RecordError(f"{file} cannot be read: {error}") from error
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 80
+_SHORT.maxlevel = 2
+
+
+def shown(value: Any) -> str:
+    """A value from a file, short and printable."""
+    return _SHORT.repr(value)
+
+
+def checked(file: str, where: str, value: Any, checks: Checks) -> dict[str, Any]:
+    """The table itself, found to have the fields of `checks` and no others."""
+    if not isinstance(value, dict):
+        raise RecordError(f"{file}: {where or 'the whole'} = {shown(value)} must be a table with {', '.join(checks)}")
+    refuse_unknown(file, where, value, checks)
+    for name, (test, right) in checks.items():
+        path = f"{where}.{name}" if where else name
+        if name not in value:
+            raise RecordError(f"{file}: {path} is missing; it must be {right}")
+        if not test(value[name]):
+            raise RecordError(f"{file}: {path} = {shown(value[name])} must be {right}")
+    return value
+
+
+def refuse_unknown(file: str, where: str, value: dict[str, Any], known: Iterable[str]) -> None:
+    """Refuse a field that is not among those known."""
+    for name in value:
+        if name not in known:
+            path = f"{where}.{name}" if where else name
+            raise RecordError(f"{file}: field {shown(path)} is unknown{suggestion(name[:NAME_MAX], known)}")
