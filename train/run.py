@@ -27,6 +27,7 @@ from rss_gym.baselines.agent import load
 from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.eval.workers import end_with, interrupts_held
 from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
+from rss_gym.ids import ROADS
 from rss_gym.params import ParamsError
 from rss_gym.train import recipe as recipes
 from rss_gym.train.hyperparameters import ALGORITHMS
@@ -110,6 +111,8 @@ def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
         document = json.loads((Path(folder) / RUN).read_text(encoding="utf-8"))
         if document["format"] != FORMAT:
             raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
+        if document["recipe"]["recipe"]["env"] in ROADS:
+            raise ParamsError("a training on a road takes minutes and is not gone on with; train it anew")
         recipe = recipes.from_dict(document["name"], document["recipe"])
         check_count("seeds", len(document["seeds"]))
     except (OSError, ValueError, KeyError, TypeError) as error:

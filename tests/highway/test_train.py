@@ -78,6 +78,11 @@ def test_run_holds_what_was_done(run):
     assert record["difference"] <= 1e-4 and record["seed"] in (0, 2**20)
 
 
+def test_a_run_on_a_road_is_not_gone_on_with(run, capsys):
+    assert main(["train", "--resume", str(run)]) == 2
+    assert "a training on a road takes minutes and is not gone on with; train it anew" in capsys.readouterr().err
+
+
 def test_driver_is_scored_by_its_folder(run, tmp_path, capsys):
     arguments = ["eval", "--suite", "highway-v0", "--episodes", "1", "--policy", str(run / "agent")]
     assert main([*arguments, "--out", str(tmp_path / "scores")]) == 0
