@@ -172,9 +172,8 @@ def _shipped(agent: bars_plan.Agent, seeds: dict[str, str], suite: Suite) -> str
 
 def ablation(item: bars_plan.Ablation, index: int, most: int) -> Job:
     """The job of an ablation."""
-    return Job(
-        f"ablation-{index}", find(item.suite), 0, min(item.encounters, most), {item.what: item.policy}, item.changes
-    )
+    encounters = min(item.encounters, most)
+    return Job(f"ablation-{index}", find(item.suite), item.seed, encounters, {item.what: item.policy}, item.changes)
 
 
 def seal(jobs: Iterable[Job]) -> str:

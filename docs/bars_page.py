@@ -175,8 +175,8 @@ class Report:
             where = f"Suite `{agent.suite}`, split `{agent.split}`, seed {agent.seed}."
             text += [f"## `{agent.name}`", where, self.scores(agent.name)]
         if self.ablations:
-            suites = ", ".join(f"`{name}`" for name in sorted({item.suite for item in self.plan.ablations}))
-            what = f"Trained with what each row names, and flown so in {suites}, split `suite`, seed 0."
+            flown = sorted({f"`{item.suite}`, seed {item.seed}" for item in self.plan.ablations})
+            what = f"Trained with what each row names, and flown so in {', '.join(flown)}, split `suite`."
             text += ["## Ablations", what, opponents.scores(self.ablations)]
         return "\n\n".join([*text, "## Comparisons", self.comparisons(), opponents.made("bars", "")])
 
@@ -189,7 +189,12 @@ class Report:
         met = sum(item.verdict == VERDICTS[False][True] for item in self.judged)
         asked = sum(not item.bar.aim for item in self.judged)
         bars = f"{met} of {asked} bars met; [docs/agents.md](docs/agents.md) has each of them, and every seed."
-        return f"{opponents.scores(rows)}\n\n{bars} {opponents.made('bars')}"
+        return f"{opponents.scores(rows)}\n\n{bars} {opponents.made('bars', self._where())}"
+
+    def _where(self) -> str:
+        """The encounters of the policies handed on."""
+        found = {f"Split `{agent.split}`, seed {agent.seed}; " for agent in self.plan.agents if agent.policy}
+        return "".join(sorted(found))
 
     def chart(self) -> str:
         """The agents' seeds beside the curves of the rules."""

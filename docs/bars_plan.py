@@ -60,6 +60,7 @@ class Ablation:
     policy: str
     suite: str
     encounters: int
+    seed: int = 0
     changes: dict[str, Any] = field(default_factory=dict)
 
 

@@ -1,10 +1,11 @@
 """Scores of the drivers on the highway in the README, and its picture: `python docs/highway.py [--record DIR]`.
 
 Without `--record` it drives 1,000 episodes of each policy first, agents that are shipped too: a quarter of an hour on
-two cores.
+two cores. `--ship RUN NAME` only puts the driver of a finished run, with its card, into baselines/road/agents/NAME/.
 """
 
 import argparse
+import shutil
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,14 @@ import numpy as np
 import opponents
 from PIL import Image, ImageDraw, ImageFont
 
-from rss_gym.baselines.road import AGENTS, World, make
+from rss_gym.baselines.road import AGENTS, FOLDER, World, make
 from rss_gym.eval import road
+from rss_gym.eval.policies import folder_name
 from rss_gym.eval.text import cell
+from rss_gym.files import replaced_folder
 from rss_gym.highway.env import RoadEnv
+from rss_gym.train.road.run import CARD
+from rss_gym.train.run_record import AGENT, copy_policy
 
 ROOT = Path(__file__).resolve().parent.parent
 SUITE, POLICIES = "highway-v0", ("none", "rule", "idm", *AGENTS)
@@ -38,10 +43,19 @@ def table(record: Path) -> str:
     rows = []
     for row in opponents.read(record).values():
         cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
-        rows.append([f"`{Path(row.spec).name if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
+        rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
     titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]
     made = opponents.made().replace("`make table`", "`python docs/highway.py`")
     return f"{opponents.table(titles, rows)}\n\n{made.removesuffix('.')}, highway-env {version('highway-env')}."
+
+
+def ship(run: Path, name: str, into: Path = FOLDER) -> Path:
+    """Make the folder of a shipped driver from a run of `rss-gym train`, in place of an older one."""
+    into.mkdir(exist_ok=True)
+    with replaced_folder(into / name) as folder:
+        copy_policy(run / AGENT, folder)
+        shutil.copyfile(run / AGENT / CARD, folder / CARD)
+    return into / name
 
 
 def picture() -> Image.Image:
@@ -82,8 +96,12 @@ def main() -> None:
         "--record", type=Path, help="a record of `rss-gym eval --suite highway-v0`, in place of driving"
     )
     parser.add_argument("--policy", nargs="+", default=list(POLICIES), help="what to drive, agents' folders too")
-    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--ship", nargs=2, metavar=("RUN", "NAME"), help="ship a driver and do nothing else")
     options = parser.parse_args()
+    if options.ship:
+        print(ship(Path(options.ship[0]), options.ship[1]))
+        return
     picture().save(ROOT / "docs" / "highway.png", optimize=True)
     record = options.record or road.save(
         road.evaluate(options.policy, SUITE, workers=options.workers), ROOT / "runs" / "highway-scores"

@@ -53,6 +53,15 @@ def test_finished_runs_are_written_and_not_trained_again(runs):
     assert text.startswith("above\n") and text.endswith("below\n")
 
 
+def test_a_missing_run_is_started_with_its_change_and_seeds(runs, monkeypatch):
+    started = []
+    monkeypatch.setattr(variants.run, "start", lambda *given, **options: started.append(given))
+    variants.train("no-imitation")
+    ((made, folder, seeds, workers),) = started
+    assert made.imitation.episodes == 0 and folder == runs / "no-imitation"
+    assert (seeds, workers) == (3, variants.WORKERS)
+
+
 def test_an_interrupted_run_goes_on(runs, monkeypatch):
     flown(runs / "ls", [(3, 1000, 7.0)], finished=False)
     resumed = []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import os
-import shutil
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,13 +14,13 @@ from rss_gym import observation
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.features import FEATURES, names
 from rss_gym.baselines.features.masks import MASKS
-from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.train.export import Inputs, export
 from rss_gym.train.hyperparameters import ALGORITHMS
 from rss_gym.train.run import AGENT, best_seed, read
+from rss_gym.train.run_record import copy_policy
 
 DATA_MAX = 1 << 26  # bytes
 
@@ -44,8 +43,7 @@ def export_run(run: str | os.PathLike[str], out: str | os.PathLike[str]) -> floa
     agent = Path(run) / AGENT
     source = agent if agent.is_dir() else best_seed(run)[0]
     with new_folder(out) as folder:
-        for file in (DOCUMENT, WEIGHTS):
-            shutil.copyfile(source / file, folder / file)
+        copy_policy(source, folder)
         return float(load(folder, recipe.params).document["training"]["difference"])
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import torch
 from stable_baselines3.common.vec_env import VecNormalize
 
+from rss_gym.train import actor
 from rss_gym.train.learner import Learner
 
 CORRELATION = 0.9  # of the disturbance from decision to decision
@@ -63,15 +64,15 @@ def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
 
 def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor) -> float:
     """Least squares over minibatches; the rms error of the last epoch."""
-    table, policy = learner.recipe.imitation, cast(Any, learner.model.policy)
-    optimizer = torch.optim.Adam([*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()])
+    table, policy = learner.recipe.imitation, learner.model.policy
+    optimizer = torch.optim.Adam(actor.parameters(policy))
     batches = -(-len(inputs) // table.batch_size)
     cycle = torch.optim.lr_scheduler.OneCycleLR(optimizer, table.learning_rate, total_steps=table.epochs * batches)
     total = 0.0
     for _ in range(table.epochs):
         total = 0.0
         for chosen in torch.randperm(len(inputs)).split(table.batch_size):
-            mean = policy.action_net(policy.mlp_extractor.policy_net(inputs[chosen]))
+            mean = actor.outputs(policy, inputs[chosen])
             loss = torch.nn.functional.mse_loss(mean, actions[chosen])
             optimizer.zero_grad()
             loss.backward()

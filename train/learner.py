@@ -17,7 +17,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 
 from rss_gym.baselines.agent import Agent
 from rss_gym.params import ParamsError
-from rss_gym.train import export
+from rss_gym.train import actor, export
 from rss_gym.train.course import Course
 from rss_gym.train.features import Features
 from rss_gym.train.hyperparameters import ALGORITHMS, Sac
@@ -165,12 +165,9 @@ class Learner:
 
     def hold_actor(self) -> None:
         """Let the actor that has imitated a rule stay as it is until the critic can judge it."""
-        table, policy = self.recipe.imitation, cast(Any, self.model.policy)
+        table = self.recipe.imitation
         if table.episodes:
-            free = self.model.num_timesteps >= table.critic_steps
-            for part in (policy.mlp_extractor.policy_net, policy.action_net):
-                part.requires_grad_(free)
-            policy.log_std.requires_grad_(free)
+            actor.hold(self.model.policy, self.model.num_timesteps < table.critic_steps)
 
     def look_at_buffer(self) -> None:
         """Let a model whose replay buffer was empty learn on once it holds `learning_starts` decisions of its own."""

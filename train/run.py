@@ -112,11 +112,11 @@ def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
         if document["format"] != FORMAT:
             raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
         if document["recipe"]["recipe"]["env"] in ROADS:
-            raise ParamsError("a training on a road takes minutes and is not gone on with; train it anew")
+            raise ParamsError(f"it is one on a road, which is not gone on with; its driver is in {AGENT}/")
         recipe = recipes.from_dict(document["name"], document["recipe"])
         check_count("seeds", len(document["seeds"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ParamsError(f"{str(folder)!r} is not the folder of a run: {RUN}: {error}") from error
+        raise ParamsError(f"{str(folder)!r} is not the folder of a run of the air: {RUN}: {error}") from error
     if recipe.params.to_dict() != document["world"]:
         raise ParamsError(
             f"{str(folder)!r} was begun in a world that this version of rss-gym has other numbers for; go on with the "

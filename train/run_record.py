@@ -18,7 +18,7 @@ COUNT_MAX = 1000
 
 
 def check_count(name: str, value: Any) -> None:
-    """Refuse a number of seeds or workers that is none."""
+    """Refuse a number of seeds or workers outside [1, COUNT_MAX]."""
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= COUNT_MAX:
         raise ParamsError(f"{name} must be a whole number in [1, {COUNT_MAX}], got {value!r}")
 

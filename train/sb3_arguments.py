@@ -6,6 +6,7 @@ import dataclasses
 from typing import Any
 
 from stable_baselines3.common.utils import LinearSchedule
+from torch import nn
 
 from rss_gym.train.hyperparameters import Pathwise, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
 
@@ -24,8 +25,6 @@ def arguments(table: Ppo | Pathwise | Sac) -> dict[str, Any]:
 
 def network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
     """Keywords of its policy."""
-    from torch import nn
-
     found = table.to_dict()
     del found["features"], found["zeroed"]  # of the rows
     found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]

@@ -15,7 +15,8 @@ from rss_gym.params import ParamsError, suggestion
 __all__ = ["AGENTS", "POLICIES", "World", "describe", "make"]
 
 POLICIES: dict[str, type[Driver]] = {"none": Nothing, "rule": Rule, "idm": Idm}
-AGENTS = shipped.found(Path(__file__).parent / "agents")  # learned ones: name -> policy folder
+FOLDER = Path(__file__).parent / "agents"
+AGENTS = shipped.found(FOLDER)  # learned ones: name -> policy folder
 
 
 def make(spec: str, world: World) -> Driver | RoadAgent:
@@ -35,8 +36,10 @@ def make(spec: str, world: World) -> Driver | RoadAgent:
         `rss_gym.baselines.road.agent.load` refuses.
     """
     name, _, text = spec.partition(":")
-    if spec in AGENTS:
-        return load(AGENTS[spec], world)
+    if name in AGENTS:
+        if text:
+            raise ParamsError(f"policy {spec!r}: {name!r} is learned and has no options")
+        return load(AGENTS[name], world, f"policy {name!r}")
     if name not in POLICIES:
         if is_folder(spec):
             return load(spec, world)

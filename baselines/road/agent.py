@@ -75,8 +75,8 @@ class RoadAgent:
         return (actions if values.ndim > 1 else actions[0]), state
 
 
-def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
-    """The driver in a folder, for a road.
+def load(folder: str | os.PathLike[str], world: World, called: str | None = None) -> RoadAgent:
+    """The driver in a folder, for a road; errors call it `called`, or by its folder.
 
     Raises
     ------
@@ -108,5 +108,5 @@ def load(folder: str | os.PathLike[str], world: World) -> RoadAgent:
             raise ParamsError(f"{files.DOCUMENT}, network: zeroed must be 'nothing' on a road, got {network.zeroed!r}")
         tensors = files.tensors_of(blob, shapes(network.layers, world))
     except ParamsError as error:
-        raise ParamsError(f"policy folder {os.fspath(folder)!r}: {error}") from error
+        raise ParamsError(f"{called or f'policy folder {os.fspath(folder)!r}'}: {error}") from error
     return RoadAgent(tensors, network.activation, interface["radio"], hashlib.sha256(text + blob).hexdigest())

@@ -34,6 +34,18 @@ def test_benchmark(monkeypatch, capsys):
     assert capsys.readouterr().out.count("decisions/s") == 3
 
 
+def test_a_driver_is_shipped_with_its_card(monkeypatch, tmp_path):
+    module = run(ROOT / "docs" / "highway.py", monkeypatch)
+    agent = tmp_path / "run" / "agent"
+    agent.mkdir(parents=True)
+    for name in ("policy.json", "policy.safetensors", "card.md"):
+        (agent / name).write_text(name)
+    (tmp_path / "agents" / "mine").mkdir(parents=True)
+    (tmp_path / "agents" / "mine" / "old").touch()
+    folder = module.ship(tmp_path / "run", "mine", tmp_path / "agents")
+    assert sorted(path.name for path in folder.iterdir()) == ["card.md", "policy.json", "policy.safetensors"]
+
+
 def test_picture_and_table(monkeypatch, tmp_path):
     pytest.importorskip("pygame")
     pytest.importorskip("matplotlib")

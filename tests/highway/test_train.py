@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from rss_gym.train import recipe as world_recipes
 from rss_gym.train import road
 
 SHORT = "algorithm.n_steps=8 algorithm.batch_size=16 algorithm.n_epochs=1 validation.episodes=1 recipe.n_envs=2".split()
-SHORT += "imitation.episodes=1 imitation.epochs=1 imitation.critic_steps=8".split()
+SHORT += "imitation.episodes=1 imitation.epochs=1 imitation.critic_steps=16 validation.every_steps=16".split()
 
 
 def test_shipped_recipes_name_every_number():
@@ -40,12 +41,26 @@ def test_shipped_recipes_name_every_number():
         ({"vec.n_envs": 2}, "write section.key=value"),
         ({"imitation.policy": "rul"}, "policy = 'rul' is no driver to imitate; did you mean 'rule'"),
         ({"imitation.policy": "idm"}, "policy = 'idm' is no driver to imitate"),
+        ({"imitation.episodes": 1, "imitation.critic_steps": 12_288}, "critic_steps must be below the 12288 steps"),
         ({"imitation.disturbance": 1.5}, r"disturbance must be in \[0, 1\]"),
     ],
 )
 def test_refused(changes, sentence):
     with pytest.raises(ParamsError, match=sentence):
         road.load("highway", changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"imitation.policy": "rule:lateral_m=99"}, r"lateral_m must be in \[0.5, 10\]"),
+        ({"world.config": {"action": {"type": "ContinuousAction"}}}, "only highway-env's meta-actions can be learnt"),
+    ],
+)
+def test_what_cannot_be_trained_is_refused_before_a_folder_is_made(changes, sentence, tmp_path):
+    with pytest.raises(ParamsError, match=sentence):
+        road.start(road.load("highway", changes), tmp_path / "run")
+    assert not (tmp_path / "run").exists()
 
 
 def test_a_file_whose_env_is_no_name_is_no_road(tmp_path):
@@ -59,7 +74,7 @@ def run(tmp_path_factory):
     """Two seeds of 16 decisions, by the command."""
     pytest.importorskip("stable_baselines3")
     out = tmp_path_factory.mktemp("runs") / "short"
-    assert main(["train", "highway", "--steps", "16", "--seeds", "2", "--out", str(out), "--set", *SHORT]) == 0
+    assert main(["train", "highway", "--steps", "48", "--seeds", "2", "--out", str(out), "--set", *SHORT]) == 0
     return out
 
 
@@ -80,7 +95,7 @@ def test_run_holds_what_was_done(run):
 
 def test_a_run_on_a_road_is_not_gone_on_with(run, capsys):
     assert main(["train", "--resume", str(run)]) == 2
-    assert "a training on a road takes minutes and is not gone on with; train it anew" in capsys.readouterr().err
+    assert "it is one on a road, which is not gone on with; its driver is in agent/" in capsys.readouterr().err
 
 
 def test_driver_is_scored_by_its_folder(run, tmp_path, capsys):
@@ -111,6 +126,11 @@ def test_a_driver_with_zeroed_fields_is_refused(run, tmp_path):
         make(str(folder), World.of(RoadEnv()))
 
 
+def vehicle_fields(env):
+    names = [field.name for field in observation.fields(env.params)]
+    return np.char.startswith(names, "vehicle_")
+
+
 def test_imitation_sees_the_vehicles_where_the_actor_does_not():
     pytest.importorskip("stable_baselines3")
     from rss_gym.train.road.imitation import drives
@@ -119,11 +139,34 @@ def test_imitation_sees_the_vehicles_where_the_actor_does_not():
     (seen, chosen), (blind, same) = (
         drives(road.load("highway", {**changes, "world.radio": radio}), seed=0) for radio in (True, False)
     )
-    names = np.array([field.name for field in observation.fields(RoadEnv().params)])
-    vehicles = np.char.startswith(names, "vehicle_")
+    vehicles = vehicle_fields(RoadEnv())
     assert np.array_equal(chosen, same) and len(set(chosen)) > 1
     assert seen[:, vehicles].any() and not blind[:, vehicles].any()
     assert np.array_equal(seen[:, ~vehicles], blind[:, ~vehicles])
+
+
+def test_the_actor_waits_for_the_critic_and_is_compared_on_what_was_seen(tmp_path, monkeypatch):
+    pytest.importorskip("stable_baselines3")
+    from rss_gym.train.actor import parameters
+    from rss_gym.train.road import learner
+
+    found = []
+
+    def export(model, world, radio, observations, *rest):
+        found.append((model.num_timesteps, [p.detach().numpy().copy() for p in parameters(model.policy)], observations))
+        return original(model, world, radio, observations, *rest)
+
+    original = learner.export
+    monkeypatch.setattr(learner, "export", export)
+    monkeypatch.setattr(learner, "validate", lambda *given: learner.Score(given[-1], 1, 0.0, 0.0, float(given[-1])))
+    changes = dict(item.split("=") for item in SHORT)
+    recipe = road.load("highway", {key: int(value) for key, value in changes.items()} | {"recipe.steps": 48})
+    learner.train_seed(recipe, tmp_path / "seed-0", 0, {})
+    steps, weights, seen = zip(*found, strict=True)
+    assert steps == (0, 16, 32, 48)
+    alike = [all(np.array_equal(*pair) for pair in zip(*pair, strict=True)) for pair in pairwise(weights)]
+    assert alike == [True, False, False]
+    assert all(np.abs(rows).sum(axis=1).all() for rows in seen)
 
 
 def test_imitation_fits_the_actor():
@@ -152,8 +195,13 @@ def test_exported_network_is_sb3s():
 def test_a_driver_trained_without_radio_drives_without(run, tmp_path):
     pytest.importorskip("stable_baselines3")
     out = tmp_path / "blind"
-    arguments = ["train", "highway", "--steps", "16", "--out", str(out), "--set", *SHORT, "world.radio=false"]
+    arguments = ["train", "highway", "--steps", "32", "--out", str(out), "--set", *SHORT, "world.radio=false"]
     assert main(arguments) == 0
     env = RoadEnv()
-    assert make(str(out / "agent"), World.of(env)).keywords == {"radio": False}
+    blind = make(str(out / "agent"), World.of(env))
+    assert blind.keywords == {"radio": False}
+    rows = np.random.default_rng(0).uniform(-1.0, 1.0, (50, env.observation_space.shape[0]))
+    others = rows.copy()
+    others[:, vehicle_fields(env)] = 0.5
+    assert np.array_equal(blind.logits(rows), blind.logits(others))
     assert make(str(run / "agent"), World.of(env)).keywords == {}

@@ -13,7 +13,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
 from rss_gym.params import Params
-from rss_gym.train import export
+from rss_gym.train import actor, export
 from rss_gym.train.course import Course
 from rss_gym.train.pathwise.flights import Flights, record
 from rss_gym.train.pathwise.surrogate import Surrogate
@@ -144,7 +144,7 @@ class Pathwise(PPO):
         largest = CUT * STEEPEST * self.miss_cost_m / self.miss_m / len(flights)
         separation, deviation = self.surrogate.fly(
             flights,
-            lambda rows: policy.action_net(policy.mlp_extractor.policy_net(rows)),
+            lambda rows: actor.outputs(policy, rows),
             self.gradient_decay,
             largest,
         )

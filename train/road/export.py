@@ -18,8 +18,8 @@ from rss_gym.train.export import array, dense_layers, write_document
 TOLERANCE = 1e-4  # of log-probabilities, which SB3 computes in single precision
 
 
-def taken(model: Any, world: World) -> tuple[dict[str, np.ndarray], Network]:
-    """Tensors (float32) and architecture of the part of the model that acts.
+def taken(model: Any, world: World, radio: bool) -> tuple[dict[str, np.ndarray], Network]:
+    """Tensors (float32) and architecture of the part of the model that acts; without `radio` blind to the vehicles.
 
     Raises
     ------
@@ -38,12 +38,15 @@ def taken(model: Any, world: World) -> tuple[dict[str, np.ndarray], Network]:
     for name, shape in shapes(network.layers, world).items():
         if tensors[name].shape != shape:
             raise ParamsError(f"the model does not fit the road: {name} is {tensors[name].shape}, not {shape}")
+    if not radio:  # these weights never learnt anything: their inputs were zero
+        unseen = [name.startswith("vehicle_") for name in inputs(world)]
+        tensors["0.weight"] = np.where(np.array(unseen)[:, None], np.float32(0.0), tensors["0.weight"])
     return tensors, network
 
 
 def agent(model: Any, world: World, radio: bool) -> RoadAgent:
     """The driver that `export` would write, in memory."""
-    tensors, network = taken(model, world)
+    tensors, network = taken(model, world, radio)
     return RoadAgent(tensors, network.activation, radio)
 
 
@@ -69,7 +72,7 @@ def export(
     """
     from safetensors.numpy import save
 
-    tensors, network = taken(model, world)
+    tensors, network = taken(model, world, radio)
     document = {
         "format": FORMAT,
         "network": dataclasses.asdict(network),

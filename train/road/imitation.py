@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from time import perf_counter
 from typing import Any
 
@@ -10,6 +11,7 @@ import torch
 
 from rss_gym.baselines import road
 from rss_gym.highway import observation
+from rss_gym.train import actor
 from rss_gym.train.road.recipe import RoadRecipe
 
 
@@ -32,24 +34,22 @@ def imitate(model: Any, recipe: RoadRecipe, seed: int) -> str:
 
 def drives(recipe: RoadRecipe, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """What the actor would see, float32 (n, d), and what the driver chooses, (n,), some of it replaced at random."""
-    table, env = recipe.imitation, recipe.environment(radio=True)
-    generator = np.random.default_rng(seed)
+    table, generator = recipe.imitation, np.random.default_rng(seed)
     rows, chosen = [], []
-    for episode in range(table.episodes):
-        seen, _ = env.reset(seed=seed, options={"episode": episode})
-        world = road.World.of(env)
-        teacher, state, done = road.make(table.policy, world), None, False
-        while not done:
-            action, state = teacher.predict(seen, state)
-            rows.append(seen)
-            chosen.append(int(action))
-            if generator.random() < table.disturbance:
-                action = generator.integers(len(world.actions))
-            seen, _, terminated, truncated, _ = env.step(int(action))
-            done = terminated or truncated
-    seen_by_actor = np.stack(rows) * kept(recipe, env)
-    env.close()
-    return seen_by_actor, np.array(chosen)
+    with contextlib.closing(recipe.environment(radio=True)) as env:
+        for episode in range(table.episodes):
+            seen, _ = env.reset(seed=seed + recipe.head.n_envs, options={"episode": episode})  # no row's own seed
+            world = road.World.of(env)
+            teacher, state, done = road.make(table.policy, world), None, False
+            while not done:
+                action, state = teacher.predict(seen, state)
+                rows.append(seen)
+                chosen.append(int(action))
+                if generator.random() < table.disturbance:
+                    action = generator.integers(len(world.actions))
+                seen, _, terminated, truncated, _ = env.step(int(action))
+                done = terminated or truncated
+        return np.stack(rows) * kept(recipe, env), np.array(chosen)
 
 
 def kept(recipe: RoadRecipe, env: Any) -> np.ndarray:
@@ -61,19 +61,12 @@ def kept(recipe: RoadRecipe, env: Any) -> np.ndarray:
 def fit(policy: Any, rows: torch.Tensor, chosen: torch.Tensor, recipe: RoadRecipe) -> float:
     """Least cross-entropy over minibatches; the share chosen alike at its end."""
     table = recipe.imitation
-    optimizer = torch.optim.Adam(
-        [*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters()], lr=table.learning_rate
-    )
-
-    def logits(part: torch.Tensor) -> torch.Tensor:
-        found: torch.Tensor = policy.action_net(policy.mlp_extractor.policy_net(part))
-        return found
-
+    optimizer = torch.optim.Adam(actor.parameters(policy), lr=table.learning_rate)
     for _ in range(table.epochs):
         for part in torch.randperm(len(rows)).split(table.batch_size):
-            loss = torch.nn.functional.cross_entropy(logits(rows[part]), chosen[part])
+            loss = torch.nn.functional.cross_entropy(actor.outputs(policy, rows[part]), chosen[part])
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
     with torch.no_grad():
-        return float((logits(rows).argmax(dim=1) == chosen).float().mean())
+        return float((actor.outputs(policy, rows).argmax(dim=1) == chosen).float().mean())

@@ -19,6 +19,7 @@ from rss_gym.baselines.road import World
 from rss_gym.eval.episodes import Block
 from rss_gym.eval.road.drives import drive
 from rss_gym.files import replaced_folder
+from rss_gym.train import actor
 from rss_gym.train.loop import SEED_STRIDE
 from rss_gym.train.road.export import agent, export
 from rss_gym.train.road.imitation import imitate
@@ -94,6 +95,7 @@ class _Keeper(BaseCallback):
         self.world = World.of(self.env)
         self.best: Score | None = None
         self._seen = 0
+        self._last: np.ndarray | None = None  # observations of the last rollout
         self._rows: list[Score] = []
 
     def _on_step(self) -> bool:
@@ -103,10 +105,12 @@ class _Keeper(BaseCallback):
         table, every = self.recipe.imitation, self.recipe.validation.every_steps
         if self.num_timesteps // every > self._seen // every or (self.num_timesteps == 0 and table.episodes):
             self._validate()
-        policy: Any = self.model.policy
-        for part in (policy.mlp_extractor.policy_net, policy.action_net):
-            part.requires_grad_(not table.episodes or self.num_timesteps >= table.critic_steps)
+        if table.episodes:
+            actor.hold(self.model.policy, self.num_timesteps < table.critic_steps)
         self._seen = self.num_timesteps
+
+    def _on_rollout_end(self) -> None:
+        self._last = self.model.rollout_buffer.observations.copy()  # type: ignore[attr-defined]
 
     def _on_training_end(self) -> None:
         self._validate()
@@ -122,15 +126,10 @@ class _Keeper(BaseCallback):
         print(f"  {self.num_timesteps:,} steps: {score}", flush=True)
         if self.best is None or score.return_ > self.best.return_:
             self.best = score
-            observations = self._observations()
+            rows: Any = self.model._last_obs if self._last is None else self._last
+            seen = np.asarray(rows).reshape(-1, rows.shape[-1])
             with replaced_folder(self.folder / BEST) as new:
-                export(self.model, self.world, radio, observations, new, {**self.record, "validation": asdict(score)})
-
-    def _observations(self) -> np.ndarray:
-        """Those of the last rollout, before it those that it starts with."""
-        model: Any = self.model
-        rows: np.ndarray = model.rollout_buffer.observations if self.num_timesteps else model._last_obs
-        return rows.reshape(-1, rows.shape[-1])
+                export(self.model, self.world, radio, seen, new, {**self.record, "validation": asdict(score)})
 
 
 def validate(driver: Any, env: Any, episodes: int, steps: int) -> Score:

@@ -96,6 +96,11 @@ class RoadRecipe:
             raise ParamsError(
                 f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got {self.hyperparameters.batch_size}"
             )
+        if self.imitation.episodes and self.imitation.critic_steps >= self.head.steps:
+            raise ParamsError(
+                f"[imitation]: critic_steps must be below the {self.head.steps} steps of the training, got "
+                f"{self.imitation.critic_steps}: the actor would not learn"
+            )
 
     @property
     def radio(self) -> bool:

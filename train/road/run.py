@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
 import multiprocessing
@@ -11,6 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rss_gym.baselines.road import World, make
 from rss_gym.files import check_new, write_text
 from rss_gym.params import ParamsError
 from rss_gym.train.road.recipe import RoadRecipe
@@ -52,7 +54,7 @@ def start(
     check_count("seeds", seeds)
     check_count("workers", workers)
     folder = check_new(out)
-    recipe.environment().close()  # refuses what is wrong with the road
+    _check(recipe)
     try:
         import stable_baselines3  # noqa: F401
     except ImportError as error:
@@ -80,6 +82,16 @@ def start(
     return folder / AGENT
 
 
+def _check(recipe: RoadRecipe) -> None:
+    """Refuse a road that cannot be made or trained on, and a driver that cannot be imitated on it."""
+    with contextlib.closing(recipe.environment()) as env:
+        env.reset(seed=0)
+        world = World.of(env)
+        if not world.actions:
+            raise ParamsError(f"[world]: only highway-env's meta-actions can be learnt, got {env.action_space}")
+        make(recipe.imitation.policy, world)
+
+
 def _seed(recipe: RoadRecipe, folder: Path, record: dict[str, Any], index: int) -> Score:
     from rss_gym.train.road.learner import train_seed
 
@@ -91,18 +103,24 @@ def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], be
     env = recipe.environment()
     track, zone_m = env.params.interface.track, env.params.zone.radius_m
     sees = "ranges and messages of the nearest vehicles" if recipe.radio else "no other vehicle"
+    table = recipe.imitation
+    first = (
+        f" after imitating `{table.policy}`, which sees the vehicles, in {table.episodes} episodes"
+        if table.episodes
+        else ""
+    )
     rows = "\n".join(
         f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.deviation_m:.1f} | {score.return_:.2f} |"
         for index, score in enumerate(scores)
     )
     return f"""# Driver `{recipe.name}`, seed {best} of {len(scores)}
 
-Trained by PPO for {recipe.head.steps:,} decisions on `{recipe.head.env}` ({env.scene.summary}).
+Trained by PPO for {recipe.head.steps:,} decisions on `{recipe.head.env}`{first} ({env.scene.summary}).
 It sees {sees}, and its own lane, speed and plan. Track `{track}`, zone {zone_m:g} m.
 Recipe, versions and revision are in `policy.json`; revision {record["revision"]}.
 
 Best validation of each seed, over the same {recipe.validation.episodes} episodes of split `validation`. The best is
-chosen by its return, which flatters it: scores on split `suite` are what counts.
+chosen by its return, which flatters it: scores on split `suite` are what counts. After 0 decisions it only imitates.
 
 | seed | decisions | collisions | mean deviation, m | return |
 |---|---|---|---|---|
