@@ -42,6 +42,18 @@ def test_the_card_tells_what_the_run_knows(tiny_run, tiny_agent):
     assert text.rstrip().endswith("- It has hardly been trained.")
 
 
+def test_the_safest_over_more_encounters_is_shipped(tiny_run, tmp_path):
+    folder = agents.ship(tiny_run, "safest", into=tmp_path, encounters=300)
+    made, document = run.read(tiny_run)
+    seeds = agents.flown_again(agents.seeds_of(tiny_run, made, document["seeds"]), made, 300)
+    marks = [(seed.again["collisions"], seed.again["path_deviation_mean_m"]) for seed in seeds]
+    assert marks[0] < marks[1] and all(seed.again["episodes"] == 300 for seed in seeds)
+    assert load(folder).digest == seeds[0].agent.digest
+    text = (folder / "card.md").read_text()
+    assert "the same 300 encounters" in text
+    assert f"{seeds[0].again['collision_rate']:.2e}" in text and f"shipped: {seeds[0].number} |" in text
+
+
 def test_what_the_card_says_of_other_worlds():
     world = Params.of(planar=False, intruders=3, intruders_min=1, channel=["clean", {"path_loss_factor": 2.5}])
     text = agents.described(world)
