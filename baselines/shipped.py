@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.policy_files import DOCUMENT
@@ -59,17 +60,18 @@ def fits(name: str, world: Params) -> bool:
 
 def home(name: str) -> str:
     """The id that the agent was trained in."""
-    return str(_recipe(AGENTS[name])["env"])
+    return str(_recipe(AGENTS[name])["recipe"]["env"])
 
 
 def summary(folder: Path) -> str:
     """One line for listings."""
     recipe = _recipe(folder)
-    return f"Learned in {recipe['env']}: {recipe['summary']}."
+    head, blind = recipe["recipe"], recipe["world"].get("radio") is False
+    return f"Learned in {head['env']}{', blind to the others' if blind else ''}: {head['summary']}."
 
 
-def _recipe(folder: Path) -> dict[str, object]:
-    """The head of the recipe, which every shipped policy records."""
+def _recipe(folder: Path) -> dict[str, Any]:
+    """The recipe, which every shipped policy records."""
     document = json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))
-    head: dict[str, object] = document["training"]["recipe"]["recipe"]
-    return head
+    recipe: dict[str, Any] = document["training"]["recipe"]
+    return recipe

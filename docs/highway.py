@@ -5,7 +5,7 @@ two cores. `--ship RUN NAME` only puts the driver of a finished run, with its ca
 """
 
 import argparse
-import shutil
+import re
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from rss_gym.baselines.road import AGENTS, FOLDER, World, make
 from rss_gym.eval import road
 from rss_gym.eval.policies import folder_name
 from rss_gym.eval.text import cell
-from rss_gym.files import replaced_folder
+from rss_gym.files import replaced_folder, write_text
 from rss_gym.highway.env import RoadEnv
 from rss_gym.train.road.run import CARD
 from rss_gym.train.run_record import AGENT, copy_policy
@@ -54,7 +54,8 @@ def ship(run: Path, name: str, into: Path = FOLDER) -> Path:
     into.mkdir(exist_ok=True)
     with replaced_folder(into / name) as folder:
         copy_policy(run / AGENT, folder)
-        shutil.copyfile(run / AGENT / CARD, folder / CARD)
+        text = (run / AGENT / CARD).read_text(encoding="utf-8")
+        write_text(folder / CARD, re.sub("(?<=^# Driver `)[^`]+", name, text))
     return into / name
 
 

@@ -40,10 +40,12 @@ def test_a_driver_is_shipped_with_its_card(monkeypatch, tmp_path):
     agent.mkdir(parents=True)
     for name in ("policy.json", "policy.safetensors", "card.md"):
         (agent / name).write_text(name)
+    (agent / "card.md").write_text("# Driver `highway`, seed 0 of 3\n")
     (tmp_path / "agents" / "mine").mkdir(parents=True)
     (tmp_path / "agents" / "mine" / "old").touch()
     folder = module.ship(tmp_path / "run", "mine", tmp_path / "agents")
     assert sorted(path.name for path in folder.iterdir()) == ["card.md", "policy.json", "policy.safetensors"]
+    assert (folder / "card.md").read_text() == "# Driver `mine`, seed 0 of 3\n"
 
 
 def test_picture_and_table(monkeypatch, tmp_path):
