@@ -107,7 +107,7 @@ Learned with {head["algorithm"]} in `{recipe.env}`: {recipe.summary}. `rss-gym e
 
 ![Collision rate and mean deviation of all seeds over the training]({CHART})
 
-All validations are in `{CURVES}`.
+A hollow point had no collision and stands at the upper end of its interval. All validations are in `{CURVES}`.
 
 ## Limits
 
@@ -218,6 +218,14 @@ def chart(seeds: list[Seed], shipped: Seed) -> str:
             for axes, values in zip(drawing.axes, heights, strict=True):
                 axes.plot(steps, values, color=colour, linewidth=2.0 if seed is shipped else 1.0, label=name)
                 axes.plot(steps[kept], values[kept], "o", color=colour, markersize=5)
+            clear = [at for at, rate in enumerate(seed.points("collision_rate")) if not rate]
+            drawing.axes[0].plot(
+                [steps[at] for at in clear],
+                [heights[0][at] for at in clear],
+                "o",
+                color=colour,
+                markerfacecolor="white",
+            )
         rate, deviation = drawing.axes
         rate.set(yscale="log", ylabel="collisions per encounter", xlabel="decisions, millions")
         deviation.set(ylabel="mean deviation, m", xlabel="decisions, millions")
