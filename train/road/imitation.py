@@ -33,7 +33,7 @@ def imitate(model: Any, recipe: RoadRecipe, seed: int) -> str:
 
 
 def drives(recipe: RoadRecipe, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """What the actor would see, float32 (n, d), and what the driver chooses, (n,), some of it replaced at random."""
+    """What the actor would see, float32 (n, d), and the driver chooses, (n,); some actions are others, at random."""
     table, generator = recipe.imitation, np.random.default_rng(seed)
     rows, chosen = [], []
     with contextlib.closing(recipe.environment(radio=True)) as env:
