@@ -47,7 +47,7 @@ class Flight:
                 self.intruders.append({name: [] for name in columns})
             into, other = self.intruders[k], batch.others[0, k]
             into["position"] += scaled(aircraft[1 + k]["position_m"][:axes])
-            told = other["valid"] and params.interface.track != "range"
+            told = other["valid"] and params.interface.information != "ranges"
             message = other["position_m"] + other["age_s"] * other["velocity_mps"] if told else np.full(3, np.nan)
             into["message"] += scaled(message[:axes])
             into["range"] += scaled(other["range_m"])
