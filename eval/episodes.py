@@ -10,29 +10,15 @@ from typing import Any
 import numpy as np
 
 from rss_gym.core import SPLITS, Batch, decode
-from rss_gym.eval.costs import Prices, cost_m
 from rss_gym.eval.table import TABLE
 from rss_gym.params import Params
 from rss_gym.physics.random import uniform
+from rss_gym.streams import STREAM_SAMPLE
 
-STREAM_SAMPLE = 800  # of the counter-based noise: which decision of an encounter is sampled
 COLUMNS_OF_EPISODE = (
-    "family channel approach_s collision snmac zone min_separation_m closest_s deviation_max_m flown_m warned_s "
-    "false_alerts"
+    "family channel approach_s collision snmac zone zone_severity min_separation_m closest_s deviation_mean_m "
+    "deviation_max_m flown_m cost_m warned_s false_alerts"
 ).split()
-
-
-# LANDING: to be replaced by `from rss_gym.core import NotFiniteError`, which workers must be able to pickle.
-class NotFiniteError(RuntimeError):
-    """A state of the world that is not finite; it ends a run, whatever was flown so far."""
-
-    def __init__(self, split: str, seed: int, episode: int) -> None:
-        super().__init__(split, seed, episode)
-
-    def __str__(self) -> str:
-        """One sentence."""
-        split, seed, episode = self.args
-        return f"a state of the world is not finite in episode {episode} of seed {seed}, split {split!r}"
 
 
 class PolicyError(RuntimeError):
@@ -113,23 +99,6 @@ def sample_decisions(episode: np.ndarray, world: Params) -> np.ndarray:
     return np.array([int(uniform(e["key"], STREAM_SAMPLE, 0) * n) for e, n in zip(episode, decisions, strict=True)])
 
 
-# LANDING: the two functions that follow go when the world keeps `cost_m`, `deviation_mean_m` and `zone_severity` in its
-# episode record; `fly` then copies these columns by COLUMNS_OF_EPISODE and sums nothing.
-def cost_of_encounters(table: np.ndarray, world: Params) -> np.ndarray:
-    """The encounters' costs from what was flown. Shape (n,)."""
-    costs: np.ndarray = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"], Prices.of(world))
-    return costs
-
-
-def severity_now(batch: Batch) -> np.ndarray:
-    """max(0, 1 - separation / S) of the nearest intruder at the end of a decision. Shape (n,)."""
-    position, present = batch.world.aircraft["position_m"], batch.episode["intruders"]
-    separation = np.linalg.norm(position[:, 1:] - position[:, :1], axis=2)
-    separation[np.arange(separation.shape[1]) >= present[:, None]] = np.inf
-    severity: np.ndarray = np.maximum(0.0, 1.0 - separation.min(axis=1) / batch.params.zone.radius_m)
-    return severity
-
-
 def fly(
     policy: Any,
     name: str,
@@ -172,7 +141,7 @@ def fly(
     episode, count = batch.episode, block.count
     table = np.zeros(count, TABLE)
     sampled = sample_decisions(episode, world)
-    deviation_ticks, severity_ticks, done, state = np.zeros(count), np.zeros(count), np.zeros(count, bool), None
+    done, state = np.zeros(count, bool), None
     positions: list[np.ndarray] = []
     if watch:
         watch(batch)
@@ -188,11 +157,7 @@ def fly(
         except PolicyError as error:
             raise PolicyError(f"{error}; at decision {step} of {block}; nothing was scored") from error.__cause__
         table["fault"] |= bad & ~done
-        before = episode["tick"].copy()
         batch.step(decoded, done)
-        flown = np.where(done, 0, episode["tick"] - before)
-        deviation_ticks += episode["deviation_m"] * flown
-        severity_ticks += severity_now(batch) * flown
         here = batch.world.aircraft["position_m"][:, 0].copy()
         if nominal is not None:
             # Where `none` ended in a collision its position is held; only encounters it survives are ever judged.
@@ -208,9 +173,6 @@ def fly(
     table["duration_s"] = episode["ticks"] * world.clock.tick_s
     table["flown_s"] = episode["tick"] * world.clock.tick_s
     table["deviation_end_m"] = episode["deviation_m"]
-    table["deviation_mean_m"] = deviation_ticks / episode["tick"]
-    table["zone_severity"] = severity_ticks / episode["tick"]
-    table["cost_m"] = cost_of_encounters(table, world)
     speed = np.linalg.norm(batch.world.aircraft["planned_mps"][:, 0], axis=1)
     table["planned_m"] = speed * table["flown_s"]
     return table, positions

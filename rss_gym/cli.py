@@ -28,7 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("rss-gym: interrupted; nothing was written", file=sys.stderr)
         return 130
     except Exception as error:
-        from rss_gym.eval.episodes import NotFiniteError, PolicyError
+        from rss_gym.core import NotFiniteError
+        from rss_gym.eval.episodes import PolicyError
 
         if not isinstance(error, (NotFiniteError, PolicyError)):
             raise
