@@ -19,7 +19,7 @@ The height is that of the messages: its error hardly changes in a flight, so the
 from math import sqrt
 
 from rss_gym.jit import kernel
-from rss_gym.physics.elementary import exp
+from rss_gym.physics.elementary import exp, log
 from rss_gym.physics.path_loss import slope_db_pm
 from rss_gym.tracking.latest import vertical_m2
 from rss_gym.tracking.record import AGE, COVARIANCE, HEIGHT, OPEN, STATE, STATED, VELOCITY
@@ -47,9 +47,18 @@ def filter_time_s(variance_m2, distance_m, other, tick_s):
 
 
 @kernel(forceinline=True)
-def widened(variance_m2, distance_m, share):
-    """A stated variance with what its linearisation leaves out, which grows with the relative error."""
-    return variance_m2 * (1.0 + share * variance_m2 / (distance_m * distance_m))
+def error_of(stated_m2, distance_m, log_distance, share, other, model):
+    """Variance of a distance that a filter states to be `stated_m2`, and the correlation time of its error.
+
+    Two things are added to what the filter says: the wander of the path loss factor, which it takes as fixed and which
+    moves ln d by ln d sigma_gamma / gamma, and what its linearisation leaves out, which grows with the relative error.
+    """
+    moved = distance_m * log_distance * model.wander / other.path_loss_factor
+    wander_m2 = moved * moved
+    variance = stated_m2 + wander_m2 + 1e-6
+    lasts_s = filter_time_s(stated_m2, distance_m, other, model.tick_s) + 2.0 * other.coloured_tc_s
+    lasts_s = (stated_m2 * lasts_s + wander_m2 * model.wander_tc_s) / variance
+    return variance * (1.0 + share * variance / (distance_m * distance_m)), lasts_s
 
 
 @kernel(forceinline=True)
@@ -58,11 +67,9 @@ def message_error(own, other, model):
     mine, theirs = own.std_m * own.std_m, other.std_m * other.std_m
     own_s, other_s = model.own_tc_s, model.other_tc_s
     if own_s == 0.0:
-        own_s = filter_time_s(mine, model.node_m, other, model.tick_s)
-        mine = widened(mine, model.node_m, model.message_share)
+        mine, own_s = error_of(mine, model.node_m, model.node_log, model.message_share, other, model)
     if other_s == 0.0:
-        other_s = filter_time_s(theirs, model.node_m, other, model.tick_s)
-        theirs = widened(theirs, model.node_m, model.message_share)
+        theirs, other_s = error_of(theirs, model.node_m, model.node_log, model.message_share, other, model)
     variance = mine + theirs + 1e-6
     return variance, (mine * own_s + theirs * other_s) / variance + 1e-3
 
@@ -166,7 +173,7 @@ def measure(m, range_m, variance_m2, repeat):
         nx * m[at(0, 0)] + ny * m[at(0, 1)], nx * m[at(1, 0)] + ny * m[at(1, 1)],
         nx * m[at(2, 0)] + ny * m[at(2, 1)], nx * m[at(3, 0)] + ny * m[at(3, 1)],
         nx * m[at(4, 0)] + ny * m[at(4, 1)], nx * m[at(5, 0)] + ny * m[at(5, 1)],
-        z - (nx * m[STATE + PX] + ny * m[STATE + PY]), variance,
+        range_m - (nx * m[STATE + PX] + ny * m[STATE + PY]), variance,
     )  # fmt: skip
 
 
@@ -226,7 +233,7 @@ def advance(own, other, memory, track, model):
             m, 0.5 * t * (m[VELOCITY] + vx), 0.5 * t * (m[VELOCITY + 1] + vy), t, a_b, a_e,
             FLIGHT_M2 + unheard_m2,
             model.velocity_variance_m2ps2 * (1.0 - a_b * a_b),
-            max(stated_m2 - a_e * a_e * m[STATED], 0.0),
+            stated_m2 * (1.0 - a_e * a_e) + a_e * a_e * max(stated_m2 - m[STATED], 0.0),
         )  # fmt: skip
         if is_new:
             r = WHITE_SHARE * stated_m2 + FLIGHT_M2 + turned_m2
@@ -240,9 +247,9 @@ def advance(own, other, memory, track, model):
     m[VELOCITY], m[VELOCITY + 1], m[VELOCITY + 2] = vx, vy, vz
     # The range's horizontal part; its error lasts.
     d, h = other.range_m, m[HEIGHT]
-    stated = other.range_std_m * other.range_std_m
-    lasts_s = filter_time_s(stated, d, other, model.tick_s) + 2.0 * other.coloured_tc_s
-    variance = widened(stated, d, model.range_share) + 1e-6
+    variance, lasts_s = error_of(
+        other.range_std_m * other.range_std_m, d, log(max(d, 1.0)), model.range_share, other, model
+    )
     level = sqrt(max(d * d - h * h, NEAREST_M * NEAREST_M))
     variance = (d * d * variance + h * h * m[HEIGHT + 1]) / (level * level)
     measure(m, level, variance, 1.0 + 2.0 * model.range_repeat * lasts_s / t)

@@ -31,7 +31,10 @@ MODEL = np.dtype(
         ("other_tc_s", f8),
         ("own_vertical_m2", f8),  # variance of the height; negative: as the position
         ("other_vertical_m2", f8),
-        ("node_m", f8),  # typical distance of a reference node
+        ("node_m", f8),  # typical distance of a reference node, and its natural logarithm
+        ("node_log", f8),
+        ("wander", f8),  # standard deviation of the path loss factor, and its correlation time
+        ("wander_tc_s", f8),
         ("unheard_mps", f8),
         ("unheard_m2ps", f8),  # what a velocity that is not told adds to the variance of each axis
         ("message_share", f8),
@@ -41,7 +44,6 @@ MODEL = np.dtype(
         ("hypotheses", i8),
         ("process_noise_m2", f8),  # of the link's filter, in a tick
         ("rest_inflation", f8),
-        ("wander", f8),  # standard deviation of the path loss factor
         ("factor_decay", f8),  # of that deviation, over a decision
         ("vertical_variance_m2", f8),  # of the height between the two, which the bank leaves out
         ("spread_m2", f8),  # variance of the relative way flown in a decision, per axis, and without messages
@@ -78,12 +80,14 @@ def model(params: Params) -> np.ndarray:
     vertical = {"gnss": nav.gnss_vertical_m**2, "rss": barometer, "dead-reckoning": -1.0}
     out["own_vertical_m2"], out["other_vertical_m2"] = vertical[nav.agent], vertical[nav.intruder]
     out["node_m"] = NODE_SHARE * nav.node_square_m
+    out["node_log"] = np.log(out["node_m"])
     unheard = _value(params, "unheard_mps")
     out["unheard_mps"], out["unheard_m2ps"] = unheard, 2.0 * unheard**2 * _value(params, "unheard_tc_s")
     for name in ("message_share", "range_share", "range_repeat", "hypotheses", "rest_inflation", "miss_std_m"):
         out[name] = _value(params, name)
     out["process_noise_m2"] = params.ranging.process_noise_m2
-    out["wander"] = max(channel.path_loss_wander for channel in params.channels)
+    out["wander"] = np.sqrt(np.mean([channel.path_loss_wander**2 for channel in params.channels]))
+    out["wander_tc_s"] = max(channel.path_loss_wander_tc_s for channel in params.channels)
     out["factor_decay"] = np.exp(-clock.decision_s / max(c.path_loss_wander_tc_s for c in params.channels))
     out["vertical_variance_m2"] = 0.0 if encounter.planar else encounter.vertical_offset_m**2
     out["spread_m2"] = variance * DRIFT_S * clock.decision_s
