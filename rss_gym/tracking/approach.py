@@ -2,7 +2,7 @@
 
 from rss_gym.jit import kernel
 
-HORIZON_S = 60.0  # a closest approach is not sought beyond this
+TIME_MAX_S = 60.0  # a closest approach is not sought beyond this
 STILL = 1e-6  # m^2/s^2: a slower relative motion has no closest approach to come
 
 
@@ -25,5 +25,5 @@ def closest(x, y, z, vx, vy, vz):
     square = vx * vx + vy * vy + vz * vz
     t = 0.0
     if square > STILL:
-        t = min(max(-(x * vx + y * vy + z * vz) / square, 0.0), HORIZON_S)
+        t = min(max(-(x * vx + y * vy + z * vz) / square, 0.0), TIME_MAX_S)
     return t, x + vx * t, y + vy * t, z + vz * t
