@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym import observation
+from rss_gym.baselines.way_points import limited
 from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.episodes import Block, fly
 from rss_gym.eval.intervals import Interval, clopper_pearson
@@ -101,11 +102,9 @@ class Blind:
         actions[:, :2] /= np.maximum(1.0, np.abs(actions[:, :2]).max(axis=1, keepdims=True))
         actions = np.clip(actions, -1.0, 1.0)
         # The world limits the speed of the way point, not its change.
-        total = actions * limits
-        total[:, 0] += cruise_mps
-        total[:, :2] /= np.maximum(1.0, np.hypot(total[:, 0], total[:, 1]) / limits[0])[:, None]
-        total[:, 0] -= cruise_mps
-        return actions[:, :axes].astype(np.float32), here_m + total * decision_s
+        planned_mps = np.stack([cruise_mps, np.zeros_like(cruise_mps), np.zeros_like(cruise_mps)], axis=1)
+        moved_m = (limited(planned_mps + actions * limits, self.world) - planned_mps) * decision_s
+        return actions[:, :axes].astype(np.float32), here_m + moved_m
 
 
 @dataclass(frozen=True)
