@@ -9,6 +9,7 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.alerts import judge, warn
+from rss_gym.highway.near_miss import NEAR_MISS_S, time_to_contact_s
 from rss_gym.highway.zone import HALF_LANE_M, pair_radius_m
 from rss_gym.jit import inner, kernel
 from rss_gym.lanes import departure, load_channel, load_link, load_message, store_link
@@ -31,6 +32,7 @@ VEHICLE = np.dtype(
         ("state", i8),  # of ABSENT ... HELD
         ("position_m", f8, 2),
         ("velocity_mps", f8, 2),
+        ("forward", f8, 2),  # unit vector of its heading
         ("gnss_error", f8, 2),  # of unit variance
         ("velocity_error_mps", f8, 2),
     ]
@@ -195,7 +197,9 @@ def place(vehicle, state):
     """Put a vehicle on the road, with position and velocity as vectors."""
     vehicle.here = True
     vehicle.position_m[0], vehicle.position_m[1] = state[1], state[2]
-    vehicle.velocity_mps[0], vehicle.velocity_mps[1] = state[4] * cos(state[3]), state[4] * sin(state[3])
+    vehicle.forward[0], vehicle.forward[1] = cos(state[3]), sin(state[3])
+    for axis in range(2):
+        vehicle.velocity_mps[axis] = state[4] * vehicle.forward[axis]
 
 
 @inner
@@ -253,18 +257,22 @@ def alert(config, channel, e, vehicle, contact, link, r):
 
 @inner
 def witness(config, e, range_error_m, road, agent, vehicle):
-    """Events of the tick on true states: least separation; entry into a pair's zone on the agent's lane."""
+    """Events of the tick on true states: least separation, near miss, entry into a pair's zone on the agent's lane."""
     x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
     separation_m = sqrt(x * x + y * y)
     if separation_m < e.min_separation_m:
         e.min_separation_m, e.closest_s = separation_m, e.tick * config.tick_s
+    v, w = vehicle.velocity_mps[0] - agent.velocity_mps[0], vehicle.velocity_mps[1] - agent.velocity_mps[1]
+    c, s = agent.forward[0], agent.forward[1]
+    forward, right = vehicle.forward[0] * c + vehicle.forward[1] * s, vehicle.forward[1] * c - vehicle.forward[0] * s
+    contact_s = time_to_contact_s(x * c + y * s, y * c - x * s, v * c + w * s, w * c - v * s, forward, right)
+    if contact_s < NEAR_MISS_S:
+        e.snmac = True  # the record's column of near misses
     right_m = y * road[1] - x * road[2] + road[3]
     if abs(right_m) < HALF_LANE_M:
-        v, u = vehicle.velocity_mps, agent.velocity_mps
         radius_m = pair_radius_m(
-            x, y, v[0] - u[0], v[1] - u[1],
-            range_error_m, config.range_error_probability, config.reaction_s, config.trials,
-        )  # fmt: skip
+            x, y, v, w, range_error_m, config.range_error_probability, config.reaction_s, config.trials
+        )
         if separation_m < radius_m:
             e.zone = True
 

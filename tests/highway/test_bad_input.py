@@ -26,7 +26,10 @@ from rss_gym.params import ParamsError
         ({"ranging": {"prior_m": 1.0}}, "ranging: Ranging has no parameter 'prior_m'"),
         ({"navigation": {"gnss": 1.0}}, "navigation has no parameter 'gnss' on a road; did you mean 'gnss_m'"),
         ({"navigation": {"barometer_m": 1.0}}, "navigation has no parameter 'barometer_m' on a road"),
-        ({"reward": {"colision": 1.0}}, "reward: RoadReward has no parameter 'colision'; did you mean 'collision'"),
+        (
+            {"reward": {"colision_price_m": 1.0}},
+            "reward: RoadReward has no parameter 'colision_price_m'; did you mean 'collision_price_m'",
+        ),
         ({"config": {"vehicle_count": 3}}, "config has no key 'vehicle_count'; did you mean 'vehicles_count'"),
         ({"config": {"action": {"type": "Discrete"}}}, "has an unknown type 'Discrete'; did you mean 'DiscreteAction'"),
         (
