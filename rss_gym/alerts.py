@@ -1,19 +1,24 @@
-"""What a tick means for one row: events of the true motion, warnings, messages, and how far the warnings are right."""
+"""What a tick means for one row: events of the true motion, warnings, messages, and whether the warnings are right."""
 
 from math import sqrt
 
+import numpy as np
+
+from rss_gym.encounters.sampler import leg_at, planned
 from rss_gym.jit import inner
-from rss_gym.lanes import load_message
+from rss_gym.lanes import is_fresh, load_message
 from rss_gym.links import silent
-from rss_gym.physics.geometry import enters_cylinder, turned
-from rss_gym.records import RANGE
+from rss_gym.physics.geometry import assign, enters_cylinder, turned
+from rss_gym.physics.random import uniform
+from rss_gym.records import RANGES
 from rss_gym.safety import STD_TO_80_PERCENT, violates, zone_radius_m
+from rss_gym.streams import STREAM_MESSAGE
 
 
 @inner(forceinline=True)
-def witness(config, block, e, lanes, link, r):
+def witness(config, block, e, lanes, r):
     """Events of the tick between the agent and an intruder, on lane r."""
-    block.nearest_squared_m2[r] = min(block.nearest_squared_m2[r], link.distance_squared_m2[r])
+    block.nearest_m[r] = min(block.nearest_m[r], lanes.least_m[r])
     if lanes.least_m[r] < e.min_separation_m:
         e.min_separation_m, e.closest_s = lanes.least_m[r], (e.tick - 1) * config.tick_s + config.tick_s
     square = lanes.least_squared_m2[r]
@@ -28,19 +33,37 @@ def witness(config, block, e, lanes, link, r):
 
 
 @inner(forceinline=True)
-def alert(config, e, contact, path, agent, craft, lanes, link, r):
-    """Warning and message of an intruder after a tick; `contact` and `path` (its aircraft) are records of the row."""
+def add_up(config, block, e, r):
+    """What the tick adds to the sums of the flight, on lane r."""
+    closeness = max(0.0, 1.0 - block.nearest_m[r] / config.comfort_m)
+    e.proximity_sum += closeness * closeness
+    e.severity_sum += max(0.0, 1.0 - block.nearest_m[r] / config.radius_m)
+    block.nearest_m[r] = np.inf
+
+
+@inner(forceinline=True)
+def alert(config, e, k, contact, path, agent, craft, lanes, link, mail, r):
+    """Warning and messages of intruder k after a tick.
+
+    `contact` and `path` (its aircraft) are records of the row, `mail` (1 + latency) its messages on their way.
+    """
     warned = contact.warning
     if config.zone_adaptive:
         contact.radius_m = adaptive_radius_m(config, contact, agent, link, r)
     warn(config, contact, link.range_m[r])
-    lanes.known[r] = 0.0
     if contact.warning and not silent(contact, e.tick * config.tick_s):
-        if config.track == RANGE and not contact.hovered:
+        if config.information == RANGES and not contact.hovered:
             contact.hovered, path.hover_until_s = True, e.tick * config.tick_s + config.hover_s
             craft.hover_until_s[r] = path.hover_until_s
-        tell(contact, path, craft, r, config.track != RANGE)
-        load_message(lanes, r, contact, config.track != RANGE)
+        send(config, e, k, contact, path, craft, mail[e.tick % len(mail)], r)
+    else:
+        mail[e.tick % len(mail)].sent = False
+    arrived = mail[(e.tick + 1) % len(mail)]  # the oldest: sent `latency_ticks` ago
+    if arrived.sent:
+        hold(config, contact, arrived)
+        load_message(lanes, r, contact, config.information != RANGES)
+    elif not is_fresh(contact):
+        lanes.known[r] = 0.0
     judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
 
 
@@ -59,24 +82,43 @@ def warn(config, contact, range_m):
 
 
 @inner(forceinline=True)
-def tell(contact, path, craft, r, positions):
-    """A message arrives: the sender's own solution and, with `positions`, where it is and its next way point."""
-    contact.valid, contact.age_s, contact.std_m = True, 0.0, craft.solution_std_m[r]
+def send(config, e, k, contact, path, craft, message, r):
+    """An intruder states its own solution: where it is, how fast, how sure, and where it plans to be.
+
+    The next way point is the planned way over `announce_s` from now, displaced as the sender's solution is and led
+    astray by the error of its velocity, so that it tells no more than the sender knows of itself.
+    """
+    message.sent = (
+        config.message_loss <= 0.0 or uniform(e.key, STREAM_MESSAGE + k, e.tick) >= config.message_loss
+    )
+    message.std_m = craft.solution_std_m[r]
+    later_s = craft.clock_s[r] + config.announce_s
+    x, y, z, _, _, _ = planned(path, leg_at(path, path.leg, later_s), later_s)
+    ahead = x - craft.planned_m[0, r], y - craft.planned_m[1, r], z - craft.planned_m[2, r]
     for axis in range(3):
-        contact.velocity_mps[axis] = craft.solution_mps[axis, r]
-        if positions:
-            contact.position_m[axis] = craft.solution_m[axis, r]
-            # The next way point, displaced as the sender's own solution is.
-            ahead_m = path.path_m[path.leg + 1, axis] - craft.position_m[axis, r]
-            contact.way_point_m[axis] = craft.solution_m[axis, r] + ahead_m
+        message.velocity_mps[axis] = craft.solution_mps[axis, r]
+        message.position_m[axis] = craft.solution_m[axis, r]
+        astray_m = config.announce_s * craft.velocity_error_mps[axis, r]
+        message.way_point_m[axis] = craft.solution_m[axis, r] + (ahead[axis] + astray_m)
     if contact.false_turn[1] != 0.0 and path.leg > 0:
-        mislead(contact)
+        mislead(contact, message)
 
 
 @inner(forceinline=True)
-def mislead(contact):
+def hold(config, contact, message):
+    """A message arrives and replaces the one held."""
+    contact.valid, contact.age_s = True, config.latency_ticks * config.tick_s
+    assign(contact.velocity_mps, message.velocity_mps)
+    if config.information != RANGES:
+        contact.std_m = message.std_m
+        assign(contact.position_m, message.position_m)
+        assign(contact.way_point_m, message.way_point_m)
+
+
+@inner(forceinline=True)
+def mislead(contact, message):
     """Turn what a message tells of the way ahead; where the sender is stays true."""
-    v, p, w = contact.velocity_mps, contact.position_m, contact.way_point_m
+    v, p, w = message.velocity_mps, message.position_m, message.way_point_m
     c, s = contact.false_turn[0], contact.false_turn[1]
     v[0], v[1] = turned(v[0], v[1], c, s)
     x, y = turned(w[0] - p[0], w[1] - p[1], c, s)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium as gym
 import numpy as np
@@ -20,10 +20,14 @@ from rss_gym.sensed import OTHER, OWN
 SPLITS = {"train": 0, "validation": 1, "suite": 2}
 SEED_LIMIT = 2**63
 
-# What a discrete action displaces the way point to, in reaches (along, right, up); planar worlds end before `up`.
+# The changes of velocity of the discrete actions, in shares of the speed limits (along, right, up): all combinations of
+# half the limit forward and back with half of it to the right and to the left; planar worlds end before `up`.
 DISCRETE_ACTIONS = np.array(
-    [[0, 0, 0], [0, 1, 0], [0, -1, 0], [1, 0, 0], [-1, 0, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float64
-)
+    [[0, 0, 0]]
+    + [[along, right, 0] for along in (0, 1, -1) for right in (0, 1, -1) if along or right]
+    + [[0, 0, 1], [0, 0, -1]],
+    dtype=np.float64,
+) / [2.0, 2.0, 1.0]
 
 # Columns of the episode record that go into `info`, with their meaning.
 INFO = {
@@ -32,13 +36,46 @@ INFO = {
     "zone": "separation was below the zone radius",
     "min_separation_m": "least true separation so far",
     "deviation_m": "mean distance from the predefined trajectory over the last decision",
+    "deviation_mean_m": "mean distance from the predefined trajectory over the flight so far",
     "deviation_max_m": "greatest such distance so far",
-    "cost": "safety cost: 1 on a collision, else the squared closeness inside `comfort_m`",
-    "reward_tracking": "term of the reward",
-    "reward_effort": "term of the reward",
-    "reward_proximity": "term of the reward",
-    "reward_collision": "term of the reward",
+    "cost_m": "cost of the encounter so far; at the end of the episode, the cost of the encounter",
+    "reward_deviation": "term of the reward: the mean deviation",
+    "reward_snmac": "term of the reward: the price of an sNMAC",
+    "reward_collision": "term of the reward: the price of a collision",
+    "reward_proximity": "term of the reward: the price of being near, 0 unless `proximity_price_m` is set",
+    "reward_shaping": "term of the reward: the gain of the potential, 0 unless `shaping_m` is set",
 }
+
+
+class Seen(NamedTuple):
+    """What the agents of a batch know, and the working memory in which their observations are written."""
+
+    own: Any  # (n,) OWN
+    others: Any  # (n, K) OTHER
+    raw: Any  # (d,) SI values of one observation
+    table: Any  # (d, 4) `observation.transforms`
+
+
+class NotFiniteError(RuntimeError):
+    """The state of a row is not finite: whatever the run has scored since is void.
+
+    Parameters
+    ----------
+    split : str
+    seed, episode : int
+        Of the row.
+    """
+
+    def __init__(self, split: str, seed: int, episode: int) -> None:
+        super().__init__(split, seed, episode)
+        self.split, self.seed, self.episode = split, seed, episode
+
+    def __str__(self) -> str:
+        """One sentence that names the encounter."""
+        return (
+            f"the state of episode {self.episode} of seed {self.seed}, split {self.split!r}, is not finite; "
+            "please report these numbers with the parameters of the world"
+        )
 
 
 class Batch:
@@ -63,15 +100,15 @@ class Batch:
         announce(Path(__file__).resolve().parent)
         self.params, self.n = params, n
         self.world = records.allocate(params, encounters.records(params.encounter), n)
-        self.own = np.zeros(n, OWN)
-        self.others = np.zeros((n, params.encounter.intruders), OTHER)
-        self.observations = np.zeros((n, len(observation.fields(params))), np.float32)
+        table = observation.transforms(observation.fields(params))
+        others = np.zeros((n, params.encounter.intruders), OTHER)
+        self.seen = Seen(np.zeros(n, OWN), others, np.zeros(len(table)), table)
+        self.observations = np.zeros((n, len(table)), np.float32)
         self.rewards = np.zeros(n)
         self.split = np.zeros(n, np.int64)
         self.seeds = np.zeros(n, np.uint64)
         self.numbers = np.zeros(n, np.uint64)  # of the next episode
         self.started = np.zeros(n, bool)
-        self._layout = (params.encounter.planar, params.interface.track != "range")
 
     @property
     def episode(self) -> np.ndarray:
@@ -92,9 +129,8 @@ class Batch:
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
         failed = world.start(
-            self.world, self.own, self.others, *self._layout, mask, self.split, self.seeds, self.numbers,
-            self.observations,
-        )  # fmt: skip
+            self.world, self.seen, mask, self.split, self.seeds, self.numbers, self.observations
+        )
         if failed >= 0:
             raise ParamsError(
                 f"no encounter of families {self.params.encounter.families!r} meets the limits on closing speed, time "
@@ -105,8 +141,17 @@ class Batch:
         self.started |= mask
 
     def step(self, actions: np.ndarray, skip: np.ndarray) -> None:
-        """Fly one decision in the rows that are not in `skip`; `actions` (n, 3) in [-1, 1] along, right, up."""
-        world.decide(self.world, self.own, self.others, *self._layout, skip, actions, self.observations, self.rewards)
+        """Fly one decision in the rows that are not in `skip`; `actions` (n, 3) in [-1, 1] along, right, up.
+
+        Raises
+        ------
+        NotFiniteError
+            When a state is not finite.
+        """
+        failed = world.decide(self.world, self.seen, skip, actions, self.observations, self.rewards)
+        if failed >= 0:
+            e = self.episode[failed]
+            raise NotFiniteError(list(SPLITS)[e["split"]], int(e["seed"]), int(e["number"]))
 
     def info(self, name: str) -> np.ndarray:
         """A copy of one column of `INFO`, or `is_success`."""
@@ -118,7 +163,7 @@ class Batch:
 
 def discrete_actions(params: Params) -> int:
     """How many of `DISCRETE_ACTIONS` there are in this world."""
-    return 5 if params.encounter.planar else 7
+    return 9 if params.encounter.planar else len(DISCRETE_ACTIONS)
 
 
 def spaces(params: Params) -> tuple[gym.spaces.Box, gym.Space[Any]]:
@@ -131,7 +176,7 @@ def spaces(params: Params) -> tuple[gym.spaces.Box, gym.Space[Any]]:
 
 
 def decode(actions: Any, params: Params, n: int) -> np.ndarray:
-    """The policy's actions as displacements or velocities in [-1, 1], shape (n, 3); finite values are clipped.
+    """The policy's actions as changes of velocity in [-1, 1], shape (n, 3); finite values are clipped.
 
     Raises
     ------

@@ -6,7 +6,6 @@ from rss_gym.encounters.sampler import leg_at, planned
 from rss_gym.jit import inner
 from rss_gym.physics.geometry import least_square_separation
 from rss_gym.physics.motion import clip, limit, regulate
-from rss_gym.records import VELOCITY
 
 
 @inner(forceinline=True)
@@ -35,8 +34,8 @@ def follow_plan(config, block, craft):
 
 @inner
 def command(config, block, agent):
-    """u^d on the leg being flown; the way point moves to the displaced trajectory, or at the commanded velocity."""
-    t, reach, band, velocity = config.tick_s, config.reach_m, config.altitude_band_m, config.action == VELOCITY
+    """u^d on the leg being flown; the way point moves at its velocity plus the commanded change of it."""
+    t, band = config.tick_s, config.altitude_band_m
     speed_max, vertical_max = config.speed_max_mps, config.vertical_speed_max_mps
     leg, p, v, w, wv = agent.leg_m, agent.planned_m, agent.planned_mps, agent.way_point_m, agent.way_point_mps
     for r in range(block.rows):
@@ -46,16 +45,12 @@ def command(config, block, agent):
         # The axes of the leg: along = (ax, ay, 0), right = (ay, -ax, 0), up.
         ax, ay, forth, right = agent.along[0, r], agent.along[1, r], block.action[0, r], block.action[1, r]
         x, y, z = forth * ax + right * ay, forth * ay - right * ax, block.action[2, r]
-        if velocity:
-            x, y, z = limit(
-                v[0, r] + speed_max * x, v[1, r] + speed_max * y, v[2, r] + vertical_max * z, speed_max, vertical_max
-            )
-            x, y, z = x * t, y * t, z * t
-        else:
-            x, y, z = px + reach * x - w[0, r], py + reach * y - w[1, r], pz + clip(reach * z, -band, band) - w[2, r]
-            x, y, z = limit(x, y, z, speed_max * t, vertical_max * t)
-        w[0, r], w[1, r], w[2, r] = w[0, r] + x, w[1, r] + y, clip(w[2, r] + z, pz - band, pz + band)
-        wv[0, r], wv[1, r], wv[2, r] = x / t, y / t, z / t
+        x, y, z = limit(
+            v[0, r] + speed_max * x, v[1, r] + speed_max * y, v[2, r] + vertical_max * z, speed_max, vertical_max
+        )
+        w[0, r], w[1, r] = w[0, r] + x * t, w[1, r] + y * t
+        w[2, r] = clip(w[2, r] + z * t, pz - band, pz + band)
+        wv[0, r], wv[1, r], wv[2, r] = x, y, z
 
 
 @inner

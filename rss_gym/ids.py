@@ -5,7 +5,7 @@ import gymnasium as gym
 IDS: dict[str, dict[str, object]] = {
     "rss_gym/Encounter-v0": {},
     "rss_gym/Encounter3D-v0": {"planar": False},
-    "rss_gym/EncounterRangeOnly-v0": {"track": "range"},
+    "rss_gym/EncounterRangeOnly-v0": {"information": "ranges"},
 }
 ROADS: dict[str, dict[str, object]] = {  # of highway-env, extra `highway`
     "rss_gym/Highway-v0": {"scene": "highway"},

@@ -3,7 +3,10 @@
 import numpy as np
 
 from rss_gym.jit import inner
-from rss_gym.records import NODES, RANGE, ROWS
+from rss_gym.records import RANGES, ROWS
+from rss_gym.streams import NODES
+
+FRESH_S = 2.0
 
 
 @inner
@@ -37,7 +40,7 @@ def load(world, r):
     for a in range(1 + e.intruders):
         load_aircraft(world.aircraft_lanes[a], r, world.aircraft[i, a])
     for k in range(e.intruders):
-        load_message(world.contact_lanes[k], r, world.contacts[i, k], config.track != RANGE)
+        load_message(world.contact_lanes[k], r, world.contacts[i, k], config.information != RANGES)
     for n in range(len(world.used)):
         load_link(world.link_lanes[world.used[n]], r, world.links[i, world.used[n]], now_s)
 
@@ -84,9 +87,15 @@ def load_leg(lanes, r, craft):
 
 
 @inner(forceinline=True)
+def is_fresh(contact):
+    """Whether the warning is open and the message held is young enough to say how the range changes."""
+    return contact.valid and contact.warning and contact.age_s <= FRESH_S
+
+
+@inner(forceinline=True)
 def load_message(lanes, r, contact, positions):
     """Copy the message held to lane r, where messages carry `positions`."""
-    lanes.known[r] = 1.0 if contact.valid and contact.age_s == 0.0 and positions else 0.0
+    lanes.known[r] = 1.0 if positions and is_fresh(contact) else 0.0
     lanes.std_m[r] = contact.std_m
     for axis in range(3):
         lanes.position_m[axis, r] = contact.position_m[axis]

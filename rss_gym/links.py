@@ -8,12 +8,11 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.jit import inner
-from rss_gym.params import MAX_INTRUDERS
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.path_loss import quantise, received_dbm
 from rss_gym.physics.random import uniform
-from rss_gym.ranging import COLOURED, WHITE, coloured, inverse, white
-from rss_gym.records import STREAM_LOSS
+from rss_gym.ranging import COLOURED, LEAST_SQUARES, WHITE, WHITE_R, coloured, inverse, white
+from rss_gym.streams import MAX_INTRUDERS, STREAM_LOSS
 
 LS_CEILING_M = 1000.0  # least squares inverts a deep fade to any distance; beyond this it says nothing
 
@@ -113,6 +112,8 @@ def start_filter(config, block, link, to_node):
     for r in range(block.rows):
         s = block.coloured_variance_db2[r] if config.estimator == COLOURED else 0.0
         rss, variance = link.rss_dbm[r], block.white_variance_db2[r] + block.coloured_variance_db2[r] - s
+        if config.estimator == WHITE_R:
+            variance = block.white_variance_db2[r]
         if rss < block.sensitivity_dbm[r]:
             rss, variance = 0.0, np.inf  # a sample that was not received has no weight: the prior stays
         link.range_m[r], link.coloured_hat_db[r], link.p_dd[r], link.p_dp[r], link.p_pp[r] = coloured_start(
@@ -125,7 +126,7 @@ def estimate(config, block, link):
     """One tick of the estimator of range, and the smoothed rate of its range."""
     if config.estimator == COLOURED:
         estimate_coloured(config, block, link)
-    elif config.estimator == WHITE:
+    elif config.estimator != LEAST_SQUARES:
         estimate_white(config, block, link)
     else:
         estimate_alone(config, block, link)
@@ -154,14 +155,15 @@ def estimate_coloured(config, block, link):
 
 @inner
 def estimate_white(config, block, link):
-    """The filter that takes all noise as white."""
+    """The filter that takes all noise as white, or with R alone holds that there is no other."""
+    share = 1.0 if config.estimator == WHITE else 0.0  # of the coloured noise's variance
     floor_m, gain, t = config.range_floor_m, config.rate_gain, config.tick_s
     for r in range(block.rows):
         before_m, rss = link.range_m[r], link.rss_dbm[r]
         d, p_dd = white_predict(before_m, link.p_dd[r], link.psi_m[r], link.process_noise_m2[r])
         d = max(d, floor_m)
         if rss >= block.sensitivity_dbm[r]:
-            total = block.white_variance_db2[r] + block.coloured_variance_db2[r]
+            total = block.white_variance_db2[r] + share * block.coloured_variance_db2[r]
             d, p_dd = white_update(d, p_dd, rss, block.offset_dbm[r], block.path_loss_factor[r], total, floor_m)
         link.range_m[r], link.p_dd[r] = d, p_dd
         link.rate_mps[r] += gain * ((d - before_m) / t - link.rate_mps[r])

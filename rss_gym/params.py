@@ -22,15 +22,18 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from rss_gym.streams import MAX_INTRUDERS
+
 PRESETS_FOLDER = Path(__file__).parent / "presets"
+RADIOS = "radios"  # the name of the list of all presets but `clean`, and of as many random radios as this:
+RANDOM_RADIOS = 59
 
-Track = Literal["oracle", "paper", "range"]
-Estimator = Literal["ekf-coloured", "ekf-white", "ls"]
+Information = Literal["oracle", "positions", "ranges"]
+Estimator = Literal["ekf-coloured", "ekf-white", "ekf-white-r", "ls"]
+Tracker = Literal["latest", "fused", "bearings"]
 Localisation = Literal["gnss", "rss", "dead-reckoning"]
-ActionKind = Literal["displacement", "velocity", "discrete"]
+ActionKind = Literal["velocity", "discrete"]
 ZoneKind = Literal["fixed", "adaptive"]
-
-MAX_INTRUDERS = 8
 
 
 class ParamsError(ValueError):
@@ -96,6 +99,12 @@ class Group:
         return dataclasses.replace(self, **changes)  # type: ignore[type-var]
 
 
+def _ordered(group: Any, low: str, high: str) -> None:
+    """Refuse limits in the wrong order."""
+    if getattr(group, low) > getattr(group, high):
+        raise ParamsError(f"{low} = {getattr(group, low):g} must not exceed {high} = {getattr(group, high):g}")
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
@@ -111,15 +120,17 @@ def _refuse_unknown(where: str, given: Iterable[str], known: Iterable[str]) -> N
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clock(Group):
-    """Periods of the radio and of the policy, and how long a flight goes on after the closest approach."""
+    """Periods of the radio and of the policy, and how long a flight goes on after the planned closest approach."""
 
     tick_s: float = number(0.1, 0.01, 1.0)
     decision_s: float = number(0.5, 0.01, 10.0)
-    tail_s: float = number(30.0, 0.0, 300.0)
+    tail_min_s: float = number(15.0, 0.0, 300.0)
+    tail_max_s: float = number(45.0, 0.0, 300.0)
 
     def __post_init__(self) -> None:
-        """Check that a decision is a whole number of ticks."""
+        """Check that a decision is a whole number of ticks, and the order of the limits."""
         Group.__post_init__(self)
+        _ordered(self, "tail_min_s", "tail_max_s")
         ratio = self.decision_s / self.tick_s
         if ratio < 0.999 or abs(ratio - round(ratio)) > 1e-6:
             raise ParamsError(
@@ -180,11 +191,9 @@ class Encounter(Group):
     def __post_init__(self) -> None:
         """Check the order of limits and normalise `families`."""
         Group.__post_init__(self)
-        for low, high in (("cruise_min_mps", "cruise_max_mps"), ("start_range_min", "start_range_max")):
-            if getattr(self, low) > getattr(self, high):
-                raise ParamsError(f"{low} = {getattr(self, low):g} must not exceed {high} = {getattr(self, high):g}")
-        if self.intruders_min > self.intruders:
-            raise ParamsError(f"intruders_min = {self.intruders_min} must not exceed intruders = {self.intruders}")
+        _ordered(self, "cruise_min_mps", "cruise_max_mps")
+        _ordered(self, "start_range_min", "start_range_max")
+        _ordered(self, "intruders_min", "intruders")
         if 2.0 * self.cruise_max_mps < self.closing_min_mps:
             raise ParamsError(
                 f"closing_min_mps = {self.closing_min_mps:g} can never be reached with cruise_max_mps = "
@@ -232,7 +241,7 @@ class Ranging(Group):
 class Navigation(Group):
     """How each side knows its own position, and the errors of these solutions."""
 
-    agent: str = choice("gnss", Localisation)
+    agent: str = choice("rss", Localisation)
     intruder: str = choice("rss", Localisation)
     gnss_m: float = number(1.0, 0.0, 100.0)
     gnss_vertical_m: float = number(2.0, 0.0, 100.0)
@@ -244,9 +253,16 @@ class Navigation(Group):
     velocity_tc_s: float = number(60.0, 0.1, 3600.0)
     dead_reckoning_mps: float = number(0.1, 0.0, 10.0)
     dead_reckoning_tc_s: float = number(60.0, 0.1, 3600.0)
-    node_square_m: float = number(120.0, 10.0, 5000.0)
+    node_square_m: float = number(300.0, 10.0, 5000.0)
     node_height_low_m: float = number(0.0, 0.0, 500.0)
     node_height_high_m: float = number(15.0, 0.0, 500.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tracking(Group):
+    """The tracker that makes one relative state of messages and ranges; `tracking/` holds them."""
+
+    tracker: str = choice("fused", Tracker)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -295,22 +311,37 @@ class Zone(Group):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interface(Group):
-    """What the policy is told and how it commands: the part of the world a policy declares."""
+    """What the policy is told and how it commands."""
 
-    track: str = choice("paper", Track)
-    action: str = choice("displacement", ActionKind)
-    reach_m: float = number(30.0, 0.1, 1000.0)
+    information: str = choice("positions", Information)
+    action: str = choice("velocity", ActionKind)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Messages(Group):
+    """What intruders send while the warning is open, and what becomes of it on the way."""
+
+    announce_s: float = number(5.0, 0.0, 60.0)  # the next way point is where the sender plans to be so much later
+    message_latency_s: float = number(0.0, 0.0, 10.0)
+    message_loss: float = number(0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reward(Group):
-    """Weights of the reward: (42) on true states, a soft proximity cost, a collision cost."""
+    """Prices of the cost, in metres of mean deviation; the reward is minus the cost.
 
-    tracking_pm: float = number(0.02, 0.0, 100.0)  # q, per metre and decision
-    effort_spm: float = number(0.02, 0.0, 100.0)  # kappa, per m/s of velocity change
-    proximity: float = number(1.0, 0.0, 1e4)
+    The proximity price and the shaping are for training only and are zero in every score. The shaping is the
+    discounted gain of the potential -`shaping_m` max(0, 1 - d / `comfort_m`)^2 (Ng, Harada and Russell, 1999), where
+    d is the true least distance that straight flight will lead to; it leaves the optimal policy as it is.
+    """
+
+    deviation_price: float = number(1.0, 0.0, 1e3)
+    snmac_price_m: float = number(100.0, 0.0, 1e7)
+    collision_price_m: float = number(10000.0, 0.0, 1e7)
+    proximity_price_m: float = number(0.0, 0.0, 1e6)  # of a decision spent at distance 0; falls to 0 at comfort_m
     comfort_m: float = number(35.0, 0.1, 1000.0)
-    collision: float = number(100.0, 0.0, 1e6)
+    shaping_m: float = number(0.0, 0.0, 1e6)
+    shaping_discount: float = number(0.99, 0.0, 1.0)
 
 
 def presets() -> dict[str, Path]:
@@ -338,7 +369,7 @@ def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -
     if text not in shipped and not os.path.isfile(path):  # Path.is_file raises for a name that is too long
         if path.suffix == ".toml" or len(path.parts) > 1:
             raise ParamsError(f"channel file {text!r} does not exist")
-        raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, shipped)}")
+        raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, [*shipped, RADIOS])}")
     try:
         is_short = path.stat().st_size <= 65536
         table = tomllib.loads(path.read_text(encoding="utf-8")) if is_short else {}
@@ -355,10 +386,32 @@ def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -
         raise ParamsError(f"channel file {text!r}: {error}") from error
 
 
+def random_channels(count: int, seed: int) -> list[Channel]:
+    """`count` random radios over the span of real logs: gamma uniform, the variances and the time log-uniform."""
+    rng = np.random.Generator(np.random.PCG64(seed))
+
+    def log_uniform(low: float, high: float) -> float:
+        return round(float(low * (high / low) ** rng.random()), 4)
+
+    return [
+        Channel(
+            path_loss_factor=round(float(rng.uniform(1.8, 4.0)), 4),
+            white_variance_db2=log_uniform(0.05, 6.0),
+            coloured_variance_db2=log_uniform(1.0, 40.0),
+            coloured_tc_s=log_uniform(0.1, 8.0),
+        )
+        for _ in range(count)
+    ]
+
+
 def _channels(value: Any) -> tuple[Channel, ...]:
     items = value if isinstance(value, (list, tuple)) else [value]
     if not items:
         raise ParamsError("channel list is empty; name at least one preset or file")
+    if RADIOS in items:
+        named = [load_channel(name) for name in presets() if name != "clean"]
+        radios = [*named, *random_channels(RANDOM_RADIOS, seed=0)]
+        items = [radio for item in items for radio in (radios if item == RADIOS else [item])]
     return tuple(load_channel(item) for item in items)
 
 
@@ -372,6 +425,8 @@ class Params(Group):
     channels: tuple[Channel, ...] = field(default_factory=lambda: (load_channel("paper"),))
     ranging: Ranging = field(default_factory=Ranging)
     navigation: Navigation = field(default_factory=Navigation)
+    messages: Messages = field(default_factory=Messages)
+    tracking: Tracking = field(default_factory=Tracking)
     zone: Zone = field(default_factory=Zone)
     interface: Interface = field(default_factory=Interface)
     reward: Reward = field(default_factory=Reward)
@@ -383,10 +438,17 @@ class Params(Group):
                 raise ParamsError(f"params.{item.name} must be a {_GROUPS[item.name].__name__}")
         object.__setattr__(self, "channels", _channels(self.channels))
         nav = self.navigation
-        if self.interface.track == "range" and "rss" in (nav.agent, nav.intruder):
+        ranges = self.interface.information == "ranges"
+        if ranges and "rss" in (nav.agent, nav.intruder):
             raise ParamsError(
-                "track 'range' has fewer than three reference nodes and exchanges no position, so agent and intruder "
-                f"must be 'dead-reckoning' or 'gnss', got agent = {nav.agent!r}, intruder = {nav.intruder!r}"
+                "information 'ranges' has fewer than three reference nodes and exchanges no position, so agent and "
+                "intruder must be 'dead-reckoning' or 'gnss', "
+                f"got agent = {nav.agent!r}, intruder = {nav.intruder!r}"
+            )
+        if ranges != (self.tracking.tracker == "bearings"):
+            raise ParamsError(
+                f"tracker {self.tracking.tracker!r} cannot work with information {self.interface.information!r}: "
+                "'bearings' is for 'ranges', 'latest' and 'fused' are for messages that hold positions"
             )
         if self.encounter.cruise_max_mps >= self.aircraft.speed_max_mps:
             raise ParamsError(
@@ -410,14 +472,13 @@ class Params(Group):
         changes: dict[str, Any] = {}
         if "channel" in keywords:
             changes["channels"] = _channels(keywords.pop("channel"))
+        if keywords.get("information") == "ranges" and base.interface.information != "ranges":
+            keywords = RANGES_IMPLY | keywords
+        # All fields of a group are set before any is checked: linked ones may be given in any order.
+        given: dict[str, dict[str, Any]] = {}
         for name, value in keywords.items():
-            group = _OWNER[name]
-            changes[group] = changes.get(group, getattr(base, group)).replace(**{name: value})
-        # Fewer than three nodes leave nobody an `rss` solution: the range track implies dead reckoning unless told.
-        if keywords.get("track") == "range" and base.interface.track != "range":
-            navigation = changes.get("navigation", base.navigation)
-            sides = {side: "dead-reckoning" for side in ("agent", "intruder") if side not in keywords}
-            changes["navigation"] = navigation.replace(**sides)
+            given.setdefault(_OWNER[name], {})[name] = value
+        changes |= {group: getattr(base, group).replace(**fields) for group, fields in given.items()}
         return dataclasses.replace(base, **changes) if changes else base
 
     @classmethod
@@ -438,12 +499,16 @@ class Params(Group):
         return cls(**groups)
 
 
+# Fewer than three nodes leave nobody a solution by radio, and there are no positions to fuse.
+RANGES_IMPLY = {"agent": "dead-reckoning", "intruder": "dead-reckoning", "tracker": "bearings"}
 _GROUPS: dict[str, Any] = {
     "clock": Clock,
     "aircraft": Aircraft,
     "encounter": Encounter,
     "ranging": Ranging,
     "navigation": Navigation,
+    "messages": Messages,
+    "tracking": Tracking,
     "zone": Zone,
     "interface": Interface,
     "reward": Reward,

@@ -9,20 +9,19 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rss_gym.params import MAX_INTRUDERS, Params
+from rss_gym import streams, tracking
+from rss_gym.params import Params
 from rss_gym.ranging import RANGE_ESTIMATORS
+from rss_gym.streams import MAX_INTRUDERS, NODES
 
-NODES: Final = 4  # reference nodes
 MAX_WAY_POINTS: Final = 8
 ROWS: Final = 16  # of a block
 
 # Codes of the choices in `params`.
-ORACLE, PAPER, RANGE = 0, 1, 2
-TRACKS = {"oracle": ORACLE, "paper": PAPER, "range": RANGE}
+ORACLE, POSITIONS, RANGES = 0, 1, 2
+INFORMATION = {"oracle": ORACLE, "positions": POSITIONS, "ranges": RANGES}
 GNSS, RSS, DEAD_RECKONING = 0, 1, 2
 LOCALISATIONS = {"gnss": GNSS, "rss": RSS, "dead-reckoning": DEAD_RECKONING}
-DISPLACEMENT, VELOCITY, DISCRETE = 0, 1, 2
-ACTIONS = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "discrete": DISCRETE}
 
 f8, i8, u8, b1 = np.float64, np.int64, np.uint64, np.bool_
 
@@ -47,16 +46,26 @@ EPISODE = np.dtype(
         ("truncated", b1),
         ("deviation_m", f8),  # |u - u^d|, mean over the last decision
         ("deviation_max_m", f8),
+        ("deviation_sum_m", f8),  # |u - u^d|, summed over the ticks flown
+        ("proximity_sum", f8),  # squared closeness within `comfort_m`, likewise
+        ("severity_sum", f8),  # depth inside the zone as a share of its radius, likewise
         ("flown_m", f8),  # length of the path flown
         ("warned_s", f8),  # time of the first warning, -1 before it
         ("false_alerts", i8),  # warnings that opened at a true separation above the zone radius
         ("missed", i8),  # longest run of ticks inside the zone with an estimated range outside it
-        # Terms of the last decision's reward, and its safety cost
-        ("reward_tracking", f8),
-        ("reward_effort", f8),
-        ("reward_proximity", f8),
+        # The cost of the encounter so far, the mean deviation in it, and the terms of the last decision's reward
+        ("cost_m", f8),
+        ("deviation_mean_m", f8),
+        ("zone_severity", f8),
+        ("cost_deviation_m", f8),
+        ("cost_snmac_m", f8),
+        ("cost_proximity_m", f8),
+        ("potential_m", f8),  # of the shaping
+        ("reward_deviation", f8),
+        ("reward_snmac", f8),
         ("reward_collision", f8),
-        ("cost", f8),
+        ("reward_proximity", f8),
+        ("reward_shaping", f8),
     ]
 )
 
@@ -130,6 +139,17 @@ def _lanes(names: str, *shape: int) -> list[Any]:
     return [(name, f8, (*shape, ROWS)) for name in names.split()]
 
 
+# A message on its way: what the sender stated of itself, in its own solution.
+MESSAGE = np.dtype(
+    [
+        ("sent", b1),
+        ("position_m", f8, 3),
+        ("velocity_mps", f8, 3),
+        ("way_point_m", f8, 3),
+        ("std_m", f8),
+    ]
+)
+
 # A block is working memory: up to `ROWS` rows that fly a decision side by side, each on a lane. The lane is the last
 # axis of every field, so that the compiler makes vector instructions of a loop over lanes. A pass writes one of these
 # records and reads others, so that no loop needs to know whether two of its arrays overlap.
@@ -138,8 +158,8 @@ BLOCK = np.dtype(
         ("rows", i8),  # in use
         ("row", i8, ROWS),  # their numbers in the batch
         ("flown", i8, ROWS),  # ticks of this decision
-        *_lanes("tick deviation_m deviation_max_m flown_m nearest_squared_m2"),
-        *_lanes("action before_mps", 3),  # before_mps: the agent's velocity before the decision
+        *_lanes("tick deviation_m deviation_max_m flown_m nearest_m"),  # nearest_m: in this tick
+        *_lanes("action", 3),
         *_lanes(  # as in CHANNEL
             "path_loss_factor offset_dbm white_std_db white_variance_db2 coloured_variance_db2 coloured_decay "
             "coloured_drive_db sensitivity_dbm"
@@ -186,6 +206,7 @@ CHANNEL = np.dtype(
         ("coloured_variance_db2", f8),
         ("coloured_decay", f8),  # a = e^{lambda Delta}
         ("coloured_drive_db", f8),  # sigma_w2
+        ("coloured_tc_s", f8),
         ("wander_std", f8),
         ("wander_decay", f8),
         ("wander_drive", f8),
@@ -205,6 +226,9 @@ FAMILY = np.dtype(
         ("offset_max_m", f8),
         ("own_turn_min_rad", f8),
         ("own_turn_max_rad", f8),
+        ("own_bend_min_s", f8),  # before the closest approach; negative: after it
+        ("own_bend_max_s", f8),
+        ("faster", b1),  # the intruder than the agent
         ("bends", b1),  # the intruder's path has a way point on its way
         ("bend_min_s", f8),  # before the closest approach
         ("bend_max_s", f8),
@@ -232,7 +256,7 @@ FAMILY = np.dtype(
 )
 
 _CONFIG_FLOATS = (
-    "tick_s decision_s tail_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps gust_decay "
+    "tick_s decision_s tail_min_s tail_max_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps gust_decay "
     "gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps start_min_m "
     "start_max_m time_to_approach_max_s horizontal_offset_m vertical_offset_m conflict_offset_m altitude_m "
     "altitude_band_m process_noise_m2 process_noise_psi_m2 bearing_inflation prior_range_m prior_std_m "
@@ -240,11 +264,12 @@ _CONFIG_FLOATS = (
     "rate_gain gnss_m gnss_vertical_m gnss_decay gnss_drive barometer_m barometer_decay barometer_drive "
     "barometer_datum_m velocity_error_mps velocity_decay velocity_drive drift_mps drift_decay drift_drive "
     "radius_m range_error_probability reaction_s warning_close_ratio warning_close_s hover_s collision_m "
-    "snmac_horizontal_m snmac_vertical_m reach_m tracking_pm effort_spm proximity comfort_m collision"
+    "snmac_horizontal_m snmac_vertical_m announce_s message_loss deviation_price snmac_price_m collision_price_m "
+    "proximity_price_m comfort_m shaping_m shaping_discount"
 ).split()
 _CONFIG_INTS = (
-    "ticks_per_decision intruders intruders_min estimator agent_localisation intruder_localisation track action "
-    "trials".split()
+    "ticks_per_decision intruders intruders_min estimator tracker agent_localisation intruder_localisation information "
+    "latency_ticks trials".split()
 )
 CONFIG = np.dtype(
     [(name, f8) for name in _CONFIG_FLOATS]
@@ -263,6 +288,10 @@ class World(NamedTuple):
     aircraft: Any  # (n, 1 + K) AIRCRAFT
     links: Any  # (n, K + NODES (1 + K)) LINK
     contacts: Any  # (n, K) CONTACT
+    mail: Any  # (n, K, 1 + latency in ticks) MESSAGE
+    memories: Any  # (n, K, m) what the tracker remembers
+    tracks: Any  # (n, K) TRACK
+    model: Any  # (1,) what the tracker holds of the world
     used: Any  # (u,) the links that are ranged
     tick_streams: Any  # (2 u,) streams of their normals, coloured and white
     tick_normals: Any  # (n, 8 u) four of each: the standard normals of four ticks
@@ -279,7 +308,7 @@ def allocate(params: Params, families: np.ndarray, n: int) -> World:
     """A world of `n` rows that are all still to be reset."""
     k = params.encounter.intruders
     links, used = k + NODES * (1 + k), used_links(params)
-    tick, decision = streams(params, used)
+    tick, decision = normal_streams(params, used)
     record = config(params)
     record["lossy"] |= np.any(families["outage_max_s"] > 0.0)
     return World(
@@ -290,6 +319,10 @@ def allocate(params: Params, families: np.ndarray, n: int) -> World:
         aircraft=np.zeros((n, 1 + k), AIRCRAFT),
         links=np.zeros((n, links), LINK),
         contacts=np.zeros((n, k), CONTACT),
+        mail=np.zeros((n, k, 1 + int(record["latency_ticks"][0])), MESSAGE),
+        memories=tracking.memories(params, n),
+        tracks=np.zeros((n, k), tracking.TRACK),
+        model=tracking.model(params),
         used=used,
         tick_streams=tick,
         tick_normals=np.zeros((n, 4 * len(tick))),
@@ -309,15 +342,15 @@ def used_links(params: Params) -> np.ndarray:
     return np.array([*range(k), *(k + NODES * a + j for a in by_radio for j in range(NODES))])
 
 
-def streams(params: Params, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def normal_streams(params: Params, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Streams of the normals that are drawn for every tick and for every decision."""
     k = params.encounter.intruders
     g = [global_link(k, int(link)) for link in used]
-    tick = [STREAM_TICK + 2 * link + part for link in g for part in (0, 1)]
+    tick = [streams.STREAM_TICK + 2 * link + part for link in g for part in (0, 1)]
     # Gust, GNSS and velocity of each axis, then the barometer; in the plane nothing has errors upwards.
     processes = [0, 3, 6, 1, 4, 7] if params.encounter.planar else [0, 3, 6, 1, 4, 7, 2, 5, 8, 9]
-    aircraft = [STREAM_AIRCRAFT + 10 * a + process for a in range(1 + k) for process in processes]
-    return np.array(tick), np.array([STREAM_WANDER + link for link in g] + aircraft)
+    aircraft = [streams.STREAM_AIRCRAFT + 10 * a + process for a in range(1 + k) for process in processes]
+    return np.array(tick), np.array([streams.STREAM_WANDER + link for link in g] + aircraft)
 
 
 def _process(record: Any, name: str, std: float, period_s: float, tc_s: float) -> None:
@@ -335,7 +368,7 @@ def config(params: Params) -> np.ndarray:
     """The parameters and what the kernels derive from them, as one record. Shape (1,)."""
     p, out = params, np.zeros(1, CONFIG)
     record = out[0]
-    for group in (p.clock, p.aircraft, p.encounter, p.ranging, p.navigation, p.zone, p.interface, p.reward):
+    for group in (p.clock, p.aircraft, p.encounter, p.ranging, p.navigation, p.messages, p.zone, p.reward):
         for name in group.__slots__:
             if name in _CONFIG_FLOATS or name in ("intruders", "intruders_min", "planar"):
                 record[name] = getattr(group, name)
@@ -353,7 +386,9 @@ def config(params: Params) -> np.ndarray:
     record["lossy"] = any(channel.quantisation_db > 0.0 or channel.packet_loss > 0.0 for channel in p.channels)
     record["zone_adaptive"] = p.zone.zone == "adaptive"
     record["estimator"] = RANGE_ESTIMATORS[p.ranging.estimator]
-    record["track"], record["action"] = TRACKS[p.interface.track], ACTIONS[p.interface.action]
+    record["information"] = INFORMATION[p.interface.information]
+    record["tracker"] = tracking.TRACKERS[p.tracking.tracker]
+    record["latency_ticks"] = round(p.messages.message_latency_s / p.clock.tick_s)
     record["agent_localisation"] = LOCALISATIONS[p.navigation.agent]
     record["intruder_localisation"] = LOCALISATIONS[p.navigation.intruder]
     nav, period_s = p.navigation, p.clock.decision_s
@@ -378,9 +413,9 @@ def channels(params: Params) -> np.ndarray:
     """The channels and what the kernels derive from them. Shape (c,)."""
     out = np.zeros(len(params.channels), CHANNEL)
     for record, channel in zip(out, params.channels, strict=True):
-        for name in ("path_loss_factor", "offset_dbm", "coloured_variance_db2", "quantisation_db", "sensitivity_dbm"):
-            record[name] = getattr(channel, name)
-        record["packet_loss"] = channel.packet_loss
+        for name in channel.__slots__:
+            if name in CHANNEL.names:
+                record[name] = getattr(channel, name)
         record["white_std_db"] = np.sqrt(channel.white_variance_db2)
         # The rounding error of a quantiser is uniform: variance step^2 / 12. A floor keeps the filter's R positive.
         record["white_variance_db2"] = max(channel.white_variance_db2 + channel.quantisation_db**2 / 12.0, 1e-6)
@@ -394,18 +429,6 @@ def channels(params: Params) -> np.ndarray:
         a = decay(params.clock.tick_s, channel.coloured_tc_s)
         record["coloured_decay"], record["coloured_drive_db"] = a, driving_std(channel.coloured_variance_db2, a)
     return out
-
-
-# Streams of the counter-based noise. A value is a function of (episode key, stream, index) alone, so it does not
-# depend on the policy, on the number of intruders, or on how anybody is localised.
-STREAM_TICK: Final = 0  # + 2 g + (0 coloured, 1 white), index: tick
-STREAM_LOSS: Final = 100  # + g, index: tick
-STREAM_WANDER: Final = 200  # + g, index: decision
-STREAM_AIRCRAFT: Final = 300  # + 10 a + (0-2 gust, 3-5 GNSS, 6-8 velocity, 9 barometer), index: decision
-STREAM_START_LINK: Final = 500  # + g, index: 0 coloured, 1 wander
-STREAM_START_AIRCRAFT: Final = 600  # + a, index: as 10 above, then 10 datum
-STREAM_SAMPLER: Final = 700
-STREAM_COMPLICATION: Final = 800  # + k, index: as in `encounters.complication`
 
 
 def global_link(k: int, link: int) -> int:

@@ -1,4 +1,4 @@
-"""What an agent may know: the only source of its observation. Positions and velocities in the world's axes, SI."""
+"""What an agent may know: the only source of its tracks and its observation. World axes, SI."""
 
 import numpy as np
 
@@ -6,15 +6,14 @@ f8, b1 = np.float64, np.bool_
 
 OWN = np.dtype(
     [
-        ("time_s", f8),
         ("position_m", f8, 3),  # own navigation solution
         ("velocity_mps", f8, 3),
+        ("std_m", f8),  # of the solution's position, per horizontal axis
         ("planned_m", f8, 3),  # predefined trajectory now
         ("planned_mps", f8, 3),
         ("along", f8, 3),  # unit vector of the current leg
         ("way_point_m", f8, 3),  # commanded
-        ("turn_in_s", f8),  # time to the next turn of the predefined trajectory, inf without one
-        ("turn_along", f8, 3),  # unit vector of the leg after it
+        ("ahead_m", f8, 3),  # where the predefined trajectory is `announce_s` later, minus where it is now
     ]
 )
 
@@ -24,15 +23,21 @@ OTHER = np.dtype(
         ("range_m", f8),
         ("range_std_m", f8),
         ("coloured_db", f8),
-        ("path_loss_factor", f8),
         ("range_rate_mps", f8),
         ("radius_m", f8),
         ("warning", b1),
         ("streak", f8),  # consecutive warnings over n_d, at most 1
-        ("valid", b1),  # a message is held
+        # The message held
+        ("valid", b1),
         ("age_s", f8),
         ("position_m", f8, 3),
         ("velocity_mps", f8, 3),
         ("way_point_m", f8, 3),
+        ("std_m", f8),  # accuracy that the sender states, per horizontal axis
+        # What the filters hold of the radio
+        ("path_loss_factor", f8),
+        ("white_std_db", f8),
+        ("coloured_std_db", f8),
+        ("coloured_tc_s", f8),
     ]
 )

@@ -1,13 +1,12 @@
 """World -> Sensed: own solution, the filters' ranges, the zone's state and the held messages.
 
-True states enter only on track `oracle`, in the one function that says so.
+True states enter only with information `oracle`, in the functions that say so.
 """
 
 from math import sqrt
 
-import numpy as np
-
 from rss_gym.jit import inner, kernel
+from rss_gym.encounters.sampler import leg_at, planned
 from rss_gym.lanes import departure
 from rss_gym.physics.geometry import assign
 from rss_gym.records import ORACLE
@@ -17,23 +16,22 @@ from rss_gym.records import ORACLE
 def sense_row(world, i, own, others):
     """Fill `own` (one record) and `others` (K records) with what the agent of row i knows."""
     config, e = world.config[0], world.episode[i]
-    agent = world.aircraft[i, 0]
-    own.time_s = e.tick * config.tick_s
+    agent, channel = world.aircraft[i, 0], world.channels[e.channel]
     assign(own.position_m, agent.solution_m)
     assign(own.velocity_mps, agent.solution_mps)
+    own.std_m = agent.solution_std_m
     assign(own.planned_m, agent.planned_m)
     assign(own.planned_mps, agent.planned_mps)
     assign(own.along, agent.along)
     assign(own.way_point_m, agent.way_point_m)
-    own.turn_in_s = np.inf
-    assign(own.turn_along, agent.along)
-    if agent.leg + 2 < agent.path_points:
-        own.turn_in_s = agent.path_s[agent.leg + 1] - own.time_s
-        x = agent.path_m[agent.leg + 2, 0] - agent.path_m[agent.leg + 1, 0]
-        y = agent.path_m[agent.leg + 2, 1] - agent.path_m[agent.leg + 1, 1]
-        length = sqrt(x * x + y * y)
-        own.turn_along[0], own.turn_along[1], own.turn_along[2] = x / length, y / length, 0.0
-    gamma = world.channels[e.channel].path_loss_factor
+    # The agent never hovers, so its own clock is that of the flight.
+    later_s = e.tick * config.tick_s + config.announce_s
+    x, y, z, _, _, _ = planned(agent, leg_at(agent, agent.leg, later_s), later_s)
+    own.ahead_m[0], own.ahead_m[1], own.ahead_m[2] = (
+        x - agent.planned_m[0], y - agent.planned_m[1], z - agent.planned_m[2],
+    )  # fmt: skip
+    if config.information == ORACLE:
+        reveal_own(own, agent)
     for k in range(len(others)):
         other = others[k]
         other.present = k < e.intruders
@@ -41,7 +39,9 @@ def sense_row(world, i, own, others):
             continue
         contact, link = world.contacts[i, k], world.links[i, k]
         other.range_m, other.range_std_m = link.range_m, sqrt(link.p_dd)
-        other.coloured_db, other.path_loss_factor = link.coloured_hat_db, gamma
+        other.coloured_db, other.path_loss_factor = link.coloured_hat_db, channel.path_loss_factor
+        other.white_std_db, other.coloured_std_db = channel.white_std_db, channel.coloured_std_db
+        other.coloured_tc_s = channel.coloured_tc_s
         other.range_rate_mps = link.rate_mps
         other.radius_m, other.warning = contact.radius_m, contact.warning
         other.streak = min(contact.streak / config.trials, 1.0)
@@ -49,26 +49,46 @@ def sense_row(world, i, own, others):
         assign(other.position_m, contact.position_m)
         assign(other.velocity_mps, contact.velocity_mps)
         assign(other.way_point_m, contact.way_point_m)
-        if config.track == ORACLE:
-            reveal(own, other, agent, world.aircraft[i, 1 + k], link, gamma)
+        other.std_m = contact.std_m
+        if config.information == ORACLE:
+            reveal(config, own, other, world.aircraft[i, 1 + k], link, e.tick * config.tick_s)
 
 
 @inner(forceinline=True)
-def reveal(own, other, agent, craft, link, gamma):
-    """Track `oracle`: replace every estimate by the truth."""
-    square = rate = 0.0
+def reveal_own(own, agent):
+    """Information `oracle`: the own true state."""
     for axis in range(3):
         own.position_m[axis] = agent.position_m[axis]
         own.velocity_mps[axis] = agent.velocity_mps[axis] + agent.gust_mps[axis]
+    own.std_m = 0.0
+
+
+@inner(forceinline=True)
+def reveal(config, own, other, craft, link, time_s):
+    """Information `oracle`: replace every estimate of an intruder by the truth, as if it were heard everywhere."""
+    square = rate = 0.0
+    later_s = time_s - craft.held_s + config.announce_s
+    x, y, z, _, _, _ = planned(craft, leg_at(craft, craft.leg, later_s), later_s)
+    other.way_point_m[0], other.way_point_m[1], other.way_point_m[2] = x, y, z
+    for axis in range(3):
         other.position_m[axis] = craft.position_m[axis]
         other.velocity_mps[axis] = craft.velocity_mps[axis] + craft.gust_mps[axis]
-        other.way_point_m[axis] = craft.path_m[craft.leg + 1, axis]
-        step_m = craft.position_m[axis] - agent.position_m[axis]
+        step_m = craft.position_m[axis] - own.position_m[axis]
         square += step_m * step_m
         rate += step_m * (other.velocity_mps[axis] - own.velocity_mps[axis])
     other.range_m, other.range_std_m = sqrt(square), 0.0
     other.range_rate_mps = rate / max(other.range_m, 1e-9)
-    other.coloured_db, other.path_loss_factor = link.coloured_db, gamma + departure(link, own.time_s)
+    other.coloured_db, other.path_loss_factor = link.coloured_db, other.path_loss_factor + departure(link, time_s)
     other.warning = other.range_m <= other.radius_m
     other.streak = 1.0 if other.warning else 0.0
-    other.valid, other.age_s = True, 0.0
+    other.valid, other.age_s, other.std_m = True, 0.0, 0.0
+
+
+@inner(forceinline=True)
+def reveal_track(own, other, track):
+    """Information `oracle`: the track is the truth."""
+    for axis in range(3):
+        track.position_m[axis] = other.position_m[axis] - own.position_m[axis]
+        track.velocity_mps[axis] = other.velocity_mps[axis] - own.velocity_mps[axis]
+    track.xx = track.xy = track.yy = track.zz = 0.0
+    track.valid, track.side_probability = True, 1.0

@@ -2,6 +2,7 @@
 
 Order of a tick: everybody moves; every link gets its true length and its RSS; every aircraft updates its navigation
 solution; every link is ranged; events are read from the true motion; warnings open or close and messages arrive.
+After the last tick of a decision the cost is added up, and tracks and observation are made of what was sensed.
 Passes (`flight`, `links`, `navigation`) do one thing in all rows of the block; the rest goes row by row.
 """
 
@@ -9,7 +10,7 @@ from math import sqrt
 
 import numpy as np
 
-from rss_gym.alerts import alert, witness
+from rss_gym.alerts import add_up, alert, witness
 from rss_gym.encounters.complication import complicate
 from rss_gym.encounters.sampler import draw
 from rss_gym.flight import command, follow_plan, measure, meet, move, plan, steer
@@ -17,17 +18,19 @@ from rss_gym.jit import inner, kernel
 from rss_gym.lanes import choose, load, load_leg, owner, store
 from rss_gym.links import estimate, face_intruder, face_node, receive, start_filter, transmit
 from rss_gym.navigation import assess, localisation, navigate
-from rss_gym.observation import write
-from rss_gym.params import MAX_INTRUDERS
+from rss_gym.observation import transform, write
 from rss_gym.physics.geometry import assign, zero
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.random import episode_key, fill_normals, normal, uniform
-from rss_gym.records import DEAD_RECKONING, NODES, RSS, STREAM_START_AIRCRAFT, STREAM_START_LINK
-from rss_gym.sensing import sense_row
+from rss_gym.records import DEAD_RECKONING, ORACLE, RANGES, RSS
+from rss_gym.cost import conclude, is_finite, potential_m
+from rss_gym.sensing import reveal_track, sense_row
+from rss_gym.streams import MAX_INTRUDERS, NODES, STREAM_EPISODE, STREAM_START_AIRCRAFT, STREAM_START_LINK
+from rss_gym.tracking.advance import advance
 
 
 @kernel
-def start(world, own, others, planar, positions, mask, split, seeds, numbers, observations):
+def start(world, seen, mask, split, seeds, numbers, observations):
     """Start the given episodes in the rows of `mask`, a block at a time, and write their observations.
 
     The first measurement, solution and warning exist before the first decision. Returns the first row whose encounter
@@ -53,24 +56,27 @@ def start(world, own, others, planar, positions, mask, split, seeds, numbers, ob
         for r in range(block.rows):
             alert_row(world, r)
             store(world, r)
-        show(world, own, others, planar, positions, observations)
+            world.episode[block.row[r]].potential_m = potential_m(world, block.row[r])
+        observe(world, seen, observations)
     return -1
 
 
 @kernel
-def decide(world, own, others, planar, positions, skip, actions, observations, rewards):
+def decide(world, seen, skip, actions, observations, rewards):
     """Fly a decision in the rows that are not in `skip`, a block at a time, and write their observations.
 
-    `actions` (n, 3) are in [-1, 1]: along, right, up.
+    `actions` (n, 3) are in [-1, 1]: along, right, up. Returns the first row whose state is not finite, -1 if none.
     """
     config, block, i = world.config[0], world.block[0], 0
     aircraft, contacts, links = world.aircraft_lanes, world.contact_lanes, world.link_lanes
+    failed = -1
     while i < len(skip):
         i = choose(block, skip, False, i)
         for r in range(block.rows):
             drift(world, block.row[r])
+            world.episode[block.row[r]].deviation_m = 0.0
             load(world, r)
-            begin(block, aircraft[0], r, actions[block.row[r]])
+            begin(block, r, actions[block.row[r]])
         for tick in range(config.ticks_per_decision):
             for r in range(block.rows):
                 e = world.episode[block.row[r]]
@@ -90,7 +96,8 @@ def decide(world, own, others, planar, positions, skip, actions, observations, r
                 e = world.episode[block.row[r]]
                 if block.flown[r] == tick + 1:
                     for k in range(e.intruders):
-                        witness(config, block, e, contacts[k], links[k], r)
+                        witness(config, block, e, contacts[k], r)
+                    add_up(config, block, e, r)
                     alert_row(world, r)
                     if e.collision:
                         store(world, r)
@@ -99,9 +106,14 @@ def decide(world, own, others, planar, positions, skip, actions, observations, r
                 load(world, r)
         assess(config, block, aircraft, links)
         for r in range(block.rows):
+            row = block.row[r]
             store(world, r)
-            rewards[block.row[r]] = conclude(config, block, world.episode[block.row[r]], aircraft[0], r)
-        show(world, own, others, planar, positions, observations)
+            rewards[row] = conclude(world, row, block.flown[r])
+        observe(world, seen, observations)
+        for r in range(block.rows):
+            if failed < 0 and not is_finite(world, block.row[r]):
+                failed = block.row[r]
+    return failed
 
 
 @inner(forceinline=True)
@@ -110,23 +122,26 @@ def alert_row(world, r):
     config, i, lanes = world.config[0], world.block[0].row[r], world.aircraft_lanes
     e = world.episode[i]
     for k in range(e.intruders):
-        contact, craft, told, link = (
-            world.contacts[i, k],
-            world.aircraft[i, 1 + k],
-            world.contact_lanes[k],
-            world.link_lanes[k],
-        )
-        alert(config, e, contact, craft, lanes[0], lanes[1 + k], told, link, r)
+        contact, craft, mail = world.contacts[i, k], world.aircraft[i, 1 + k], world.mail[i, k]
+        heard, link = world.contact_lanes[k], world.link_lanes[k]
+        alert(config, e, k, contact, craft, lanes[0], lanes[1 + k], heard, link, mail, r)
 
 
 @inner
-def show(world, own, others, planar, positions, observations):
-    """Write the observations of the rows of the block."""
-    block = world.block[0]
+def observe(world, seen, observations):
+    """Sense, track and write the observations of the rows of the block."""
+    block, config = world.block[0], world.config[0]
     for r in range(block.rows):
         i = block.row[r]
-        sense_row(world, i, own[i], others[i])
-        write(own[i], others[i], planar, positions, observations[i])
+        own, others, tracks, e = seen.own[i], seen.others[i], world.tracks[i], world.episode[i]
+        sense_row(world, i, own, others)
+        for k in range(e.intruders):
+            if config.information == ORACLE:
+                reveal_track(own, others[k], tracks[k])
+            else:
+                advance(config, own, others[k], world.memories[i, k], tracks[k], world.model[0])
+        write(own, others, tracks, config.planar, config.information != RANGES, seen.raw)
+        transform(seen.raw, seen.table, observations[i])
 
 
 # -- reset ------------------------------------------------------------------------------------------------------------
@@ -139,23 +154,31 @@ def reset_row(world, i, split, seed, number):
     links, contacts = world.links[i], world.contacts[i]
     key = episode_key(split, seed, number)
     e.split, e.seed, e.number, e.key = split, seed, number, key
-    e.channel = min(int(uniform(key, STREAM_START_LINK, 8) * len(world.channels)), len(world.channels) - 1)
+    e.channel = min(int(uniform(key, STREAM_EPISODE, 0) * len(world.channels)), len(world.channels) - 1)
     span = config.intruders - config.intruders_min + 1
-    e.intruders = config.intruders_min + min(int(uniform(key, STREAM_START_LINK, 9) * span), span - 1)
-    e.family, e.approach_s, end_s = draw(key, config, world.families, aircraft, e.intruders)
+    e.intruders = config.intruders_min + min(int(uniform(key, STREAM_EPISODE, 1) * span), span - 1)
+    tail_s = config.tail_min_s + (config.tail_max_s - config.tail_min_s) * uniform(key, STREAM_EPISODE, 2)
+    e.family, e.approach_s, end_s = draw(key, config, world.families, aircraft, e.intruders, tail_s)
     ticks = config.ticks_per_decision
-    e.tick, e.ticks = 0, int(np.ceil(end_s / (ticks * config.tick_s) - 1e-9)) * ticks
+    e.tick, e.ticks = 0, max(int(np.ceil(end_s / (ticks * config.tick_s) - 1e-9)), 1) * ticks
     e.collision = e.snmac = e.zone = e.terminated = e.truncated = False
-    e.deviation_m = e.deviation_max_m = e.flown_m = e.cost = e.closest_s = 0.0
+    e.deviation_m = e.deviation_max_m = e.flown_m = e.closest_s = 0.0
+    e.deviation_sum_m = e.proximity_sum = e.severity_sum = 0.0
+    e.cost_m = e.cost_deviation_m = e.cost_snmac_m = e.cost_proximity_m = 0.0
+    e.deviation_mean_m = e.zone_severity = 0.0
     e.warned_s = -1.0
     e.false_alerts = e.missed = 0
-    e.reward_tracking = e.reward_effort = e.reward_proximity = e.reward_collision = 0.0
+    e.reward_deviation = e.reward_snmac = e.reward_collision = e.reward_proximity = e.reward_shaping = 0.0
     for a in range(1 + e.intruders):
         start_aircraft(config, aircraft[a], localisation(config, a), key, a)
     e.min_separation_m = np.inf
     for k in range(e.intruders):
         e.min_separation_m = min(e.min_separation_m, sqrt(separation_squared(aircraft[0], aircraft[1 + k])))
         clear_contact(config, contacts[k])
+        world.memories[i, k, :] = 0.0
+        world.tracks[i, k].valid = False
+        for slot in range(world.mail.shape[2]):
+            world.mail[i, k, slot].sent = False
     e.zone = e.min_separation_m < config.radius_m
     channel = world.channels[e.channel]
     for link in range(len(links)):
@@ -204,7 +227,7 @@ def clear_contact(config, contact):
 @inner
 def start_link(channel, link, key, g):
     """Stationary channel."""
-    stream = STREAM_START_LINK + 10 + g
+    stream = STREAM_START_LINK + g
     link.coloured_db = channel.coloured_std_db * normal(key, stream, 0)
     link.wander = channel.wander_std * normal(key, stream, 1)
     link.coloured_hat_db = link.rate_mps = 0.0
@@ -223,11 +246,11 @@ def separation_squared(one, two):
 
 
 @inner(forceinline=True)
-def begin(block, agent, r, action):
+def begin(block, r, action):
     """Start the decision of lane r."""
-    block.flown[r], block.deviation_m[r], block.nearest_squared_m2[r] = 0, 0.0, np.inf
+    block.flown[r], block.nearest_m[r] = 0, np.inf
     for axis in range(3):
-        block.action[axis, r], block.before_mps[axis, r] = action[axis], agent.velocity_mps[axis, r]
+        block.action[axis, r] = action[axis]
 
 
 @inner(forceinline=True)
@@ -287,16 +310,6 @@ def listen(config, block, aircraft, contacts, links, used):
 
 
 @inner(forceinline=True)
-def conclude(config, block, e, agent, r):
-    """End the decision of lane r, whose row is stored. Returns the reward."""
-    e.deviation_m /= block.flown[r]
-    e.terminated, e.truncated = e.collision, e.tick >= e.ticks and not e.collision
-    v, before = agent.velocity_mps, block.before_mps
-    vx, vy, vz = v[0, r] - before[0, r], v[1, r] - before[1, r], v[2, r] - before[2, r]
-    return reward(config, e, sqrt(vx * vx + vy * vy + vz * vz), sqrt(block.nearest_squared_m2[r]))
-
-
-@inner(forceinline=True)
 def drift(world, i):
     """Advance the slow processes by one decision: path loss factors, gusts, errors of navigation."""
     config, e, normals = world.config[0], world.episode[i], world.decision_normals[i]
@@ -326,21 +339,3 @@ def drift(world, i):
                 craft.barometer_error_m, config.barometer_decay, config.barometer_drive, normals[at]
             )
             at += 4
-
-
-@inner(forceinline=True)
-def reward(config, e, velocity_change_mps, nearest_m):
-    """-(q |u - u^d| + kappa |dv|) of (42), a soft proximity cost, and a collision cost that a crash never escapes.
-
-    A collision also pays q S for every decision that the flight had left, as if it had gone on at a deviation of S.
-    """
-    closeness = max(0.0, 1.0 - nearest_m / config.comfort_m)
-    e.cost = 1.0 if e.collision else closeness * closeness
-    e.reward_tracking = -config.tracking_pm * e.deviation_m
-    e.reward_effort = -config.effort_spm * velocity_change_mps
-    e.reward_proximity = -config.proximity * closeness * closeness
-    e.reward_collision = 0.0
-    if e.collision:
-        left = (e.ticks - e.tick) // config.ticks_per_decision
-        e.reward_collision = -(config.collision + config.tracking_pm * config.radius_m * left)
-    return e.reward_tracking + e.reward_effort + e.reward_proximity + e.reward_collision

@@ -10,6 +10,7 @@ from rss_gym.encounters.crossing import CROSSING
 from rss_gym.encounters.deceitful import DECEITFUL
 from rss_gym.encounters.degenerate import EQUAL_VELOCITIES, EXACT_HEAD_ON, HOVERING, START_NEAR_ZONE, TAIL_CHASE
 from rss_gym.encounters.family import Family
+from rss_gym.encounters.from_behind import FROM_BEHIND
 from rss_gym.encounters.head_on import HEAD_ON
 from rss_gym.encounters.late_turn import LATE_TURN
 from rss_gym.encounters.merging import MERGING
@@ -28,6 +29,7 @@ FAMILIES: dict[str, Family] = {
     "crossing": CROSSING,
     "head-on": HEAD_ON,
     "overtaking": OVERTAKING,
+    "from-behind": FROM_BEHIND,
     "turning": TURNING,
     "parallel-pass": PARALLEL_PASS,
     "no-conflict": NO_CONFLICT,

@@ -5,7 +5,7 @@ from rss_gym.jit import inner
 from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.geometry import entry_s
 from rss_gym.physics.random import uniform
-from rss_gym.records import STREAM_COMPLICATION
+from rss_gym.streams import STREAM_COMPLICATION
 
 
 @inner

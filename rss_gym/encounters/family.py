@@ -9,7 +9,9 @@ import numpy as np
 from rss_gym.params import ParamsError
 from rss_gym.records import FAMILY
 
-TURN_S = (6.0, 20.0)  # before the closest approach, where both turn
+TURN_S = (6.0, 20.0)  # before the closest approach, where the intruder turns
+# The agent turns at any time of the flight: a turn of its own plan must not tell when the closest approach is.
+OWN_TURN_S = (-20.0, 40.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,8 +54,8 @@ class Complication:
     announced_rad : (float, float) or None
         Turn that its messages tell, velocity and next way point, while it flies straight on.
     merging : bool
-        All intruders reach one point of the agent's path at one time, but for their miss distances, and go on along
-        the course of the first.
+        Intruders reach the agent's path one after another, but for their miss distances, and go on along the course of the
+        first; they are planned to stay clear of each other.
     onset_s : (float, float)
         When a jump or an outage begins, after the planned entry into the safety zone.
     path_loss_jump : (float, float) or None
@@ -94,8 +96,10 @@ class Family:
     offset_m : (float, float) or None
         Horizontal miss distance of the others, the side drawn; None takes +-`horizontal_offset_m` of the parameters.
     turn_rad : (float, float) or None
-        Size of a turn, the side drawn, that each aircraft makes 6-20 s before the closest approach, so that a straight
-        extrapolation fails; None flies straight.
+        Size of a turn, the side drawn, that each aircraft makes, so that a straight extrapolation fails: the intruder
+        6-20 s before the closest approach, the agent from 40 s before to 20 s after it. None flies straight.
+    faster : bool
+        The intruder is faster than the agent.
     script : Script or None
         A hand-written encounter, which makes the ranges above void.
     complication : Complication or None
@@ -108,6 +112,7 @@ class Family:
     conflict_share: float = 0.0
     offset_m: tuple[float, float] | None = None
     turn_rad: tuple[float, float] | None = None
+    faster: bool = False
     script: Script | None = None
     complication: Complication | None = None
 
@@ -119,10 +124,7 @@ class Family:
     @property
     def definition(self) -> dict[str, Any]:
         """Everything that a suite's hash covers, as plain types."""
-        fields = asdict(self)
-        if self.complication is None:  # the hashes of suites from before there were any stay
-            del fields["complication"]
-        return fields
+        return asdict(self)
 
     def record(self, horizontal_offset_m: float) -> np.void:
         """The family as the record that the sampler reads; `weight` is not yet cumulative."""
@@ -130,7 +132,8 @@ class Family:
         out["weight"], out["conflict_share"] = self.weight or 1.0, self.conflict_share
         out["crossing_min_rad"], out["crossing_max_rad"] = self.crossing_rad
         out["offset_min_m"], out["offset_max_m"] = self.offset_m or (0.0, horizontal_offset_m)
-        out["bends"], out["merging"] = more.bends, more.merging
+        out["bends"], out["merging"], out["faster"] = more.bends, more.merging, self.faster
+        out["own_bend_min_s"], out["own_bend_max_s"] = OWN_TURN_S
         for name, unit, given in (
             ("own_turn", "_rad", self.turn_rad),
             ("bend", "_s", more.bend_s),

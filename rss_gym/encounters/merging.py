@@ -3,7 +3,7 @@
 from rss_gym.encounters.family import Complication, Family, degrees
 
 MERGING = Family(
-    summary="intruders reach the agent's path together, within 30 m of one point, and turn to one course",
+    summary="intruders reach the agent's path one after another, within 30 m of it, and turn to one course",
     weight=0.0,
     crossing_rad=degrees(30, 180),
     conflict_share=0.1,  # each

@@ -13,11 +13,14 @@ from rss_gym.jit import inner
 from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.geometry import least_square_separation, turned
 from rss_gym.physics.random import uniform
-from rss_gym.records import STREAM_SAMPLER
+from rss_gym.streams import STREAM_SAMPLER
 
 ATTEMPTS = 20000
 FAMILY_ATTEMPTS = 1000  # then the family is drawn again: the agent's path, once laid, may leave no room for it
 DRAWS = 16  # uniforms reserved for one attempt of one intruder
+BEYOND_S = 60.0  # how long the last leg of a path goes on after the closest approach; beyond its end flight goes on
+STAGGER_S = 6.0  # merging intruders arrive so long after one another
+APART_M = 10.0  # and are planned to stay this far from each other
 
 
 @inner
@@ -35,26 +38,28 @@ def signed(u, low, high):
 
 
 @inner
-def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, bends, bend_s, wx, wy):
+def lay_path(aircraft, x, y, z, vx, vy, approach_s, bends, bend_s, wx, wy):
     """Predefined trajectory through (x, y, z) at `approach_s` with velocity (vx, vy).
 
-    If it `bends`, there is a way point `bend_s` earlier, and the velocity was (wx, wy) before it. Writes the way
-    points, the times they are due and the number of points.
+    If it `bends`, there is a way point `bend_s` before that, and the velocity was (wx, wy) before it; with a negative
+    `bend_s` the way point comes after (x, y, z), and the velocity is (wx, wy) from it on. Writes the way points, the
+    times they are due and the number of points. The last leg goes on for `BEYOND_S`, so no leg has the length zero.
     """
-    points = aircraft.path_m
-    times = aircraft.path_s
-    last = 1
+    points, times = aircraft.path_m, aircraft.path_s
+    last = 2 if bends else 1
+    first_x, first_y, next_x, next_y = vx, vy, vx, vy  # velocities before and after the way point
+    if bends and bend_s >= 0.0:
+        first_x, first_y = wx, wy
+    elif bends:
+        next_x, next_y = wx, wy
+    times[0], times[last] = 0.0, approach_s + BEYOND_S
+    turn_s = approach_s - bend_s if bends else 0.0
+    turn_x, turn_y = x + vx * (turn_s - approach_s), y + vy * (turn_s - approach_s)
+    points[0, 0], points[0, 1], points[0, 2] = turn_x - first_x * turn_s, turn_y - first_y * turn_s, z
     if bends:
-        last = 2
-        points[1, 0], points[1, 1], points[1, 2] = x - vx * bend_s, y - vy * bend_s, z
-        times[1] = approach_s - bend_s
-        points[0, 0] = points[1, 0] - wx * (approach_s - bend_s)
-        points[0, 1] = points[1, 1] - wy * (approach_s - bend_s)
-    else:
-        points[0, 0], points[0, 1] = x - vx * approach_s, y - vy * approach_s
-    points[0, 2], times[0] = z, 0.0
-    points[last, 0], points[last, 1], points[last, 2] = x + vx * (end_s - approach_s), y + vy * (end_s - approach_s), z
-    times[last] = end_s
+        points[1, 0], points[1, 1], points[1, 2], times[1] = turn_x, turn_y, z, turn_s
+    rest_s = times[last] - turn_s
+    points[last, 0], points[last, 1], points[last, 2] = turn_x + next_x * rest_s, turn_y + next_y * rest_s, z
     aircraft.path_points = last + 1
 
 
@@ -62,13 +67,12 @@ def lay_path(aircraft, x, y, z, vx, vy, approach_s, end_s, bends, bend_s, wx, wy
 def lay_script(law, agent, intruder, altitude_m, heading_rad):
     """Predefined trajectories of a hand-written encounter, turned to `heading_rad`."""
     c, s = cos(heading_rad), sin(heading_rad)
-    end_s = law.end_s
-    lay_path(agent, 0.0, 0.0, altitude_m, law.own_mps * c, law.own_mps * s, 0.0, end_s, False, 0.0, 0.0, 0.0)
+    lay_path(agent, 0.0, 0.0, altitude_m, law.own_mps * c, law.own_mps * s, 0.0, False, 0.0, 0.0, 0.0)
     # Axes along and to the right of the heading.
     x, y = law.start_m[0] * c + law.start_m[1] * s, law.start_m[0] * s - law.start_m[1] * c
     v, w = law.velocity_mps[0], law.velocity_mps[1]
     vx, vy = v * c + w * s, v * s - w * c
-    lay_path(intruder, x, y, altitude_m + law.start_m[2], vx, vy, 0.0, end_s, False, 0.0, 0.0, 0.0)
+    lay_path(intruder, x, y, altitude_m + law.start_m[2], vx, vy, 0.0, False, 0.0, 0.0, 0.0)
 
 
 @inner
@@ -172,8 +176,19 @@ def within_limits(config, agent, intruder, miss_squared_m2, end_s):
 
 
 @inner
-def draw(key, config, families, aircraft, intruders):
+def all_apart(aircraft, k, end_s):
+    """Whether intruder `k` is planned to stay clear of those before it."""
+    for other in range(k):
+        if least_planned_separation_m(aircraft[1 + other], aircraft[1 + k], end_s) < APART_M:
+            return False
+    return True
+
+
+@inner
+def draw(key, config, families, aircraft, intruders, tail_s):
     """Lay the predefined trajectories of the agent (`aircraft[0]`) and of `intruders` intruders.
+
+    The flight ends `tail_s` after the last of their planned closest approaches.
 
     Returns
     -------
@@ -231,8 +246,10 @@ def draw(key, config, families, aircraft, intruders):
                 square = own_speed * own_speed + speed * speed - 2.0 * own_speed * speed * cos(crossing)
                 own_s = start_m / sqrt(max(square, config.closing_min_mps * config.closing_min_mps))
                 if law.merging:
-                    own_s = first_approach_s
+                    own_s = first_approach_s + k * STAGGER_S
                 ox, oy, oz, ovx, ovy, _ = planned(agent, leg_at(agent, 0, own_s), own_s)
+            if law.faster and speed <= own_speed:
+                continue
             c, s = cos(crossing), sin(crossing)
             ux, uy = ovx / own_speed, ovy / own_speed
             dx, dy = ux * c - uy * s, uy * c + ux * s  # the intruder's direction
@@ -241,18 +258,18 @@ def draw(key, config, families, aircraft, intruders):
             if closing < config.closing_min_mps:
                 continue
             approach_s = start_m / closing if k == 0 else own_s
-            if approach_s > config.time_to_approach_max_s:
+            if approach_s > config.time_to_approach_max_s and not (law.merging and k > 0):
                 continue
             # Miss perpendicular to the relative velocity, so that this is the closest approach.
             ix, iy = ox - horizontal * ry / closing, oy + horizontal * rx / closing
             iz = oz + vertical
-            own_end_s = approach_s + config.tail_s
+            own_end_s = approach_s + tail_s
             if k == 0:
-                own_bend_s = between(uniform(key, STREAM_SAMPLER, at + 11), law.bend_min_s, law.bend_max_s)
+                own_bend_s = between(uniform(key, STREAM_SAMPLER, at + 11), law.own_bend_min_s, law.own_bend_max_s)
                 own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
                 wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
                 lay_path(
-                    agent, ox, oy, oz, ovx, ovy, approach_s, own_end_s,
+                    agent, ox, oy, oz, ovx, ovy, approach_s,
                     own_turn != 0.0, min(own_bend_s, 0.6 * approach_s), wx, wy,
                 )  # fmt: skip
             ivx, ivy = speed * dx, speed * dy
@@ -263,10 +280,12 @@ def draw(key, config, families, aircraft, intruders):
             else:
                 wx, wy = turned(ivx * (before / speed), ivy * (before / speed), cos(turn), sin(turn))
             lay_path(
-                intruder, ix, iy, iz, ivx, ivy, approach_s, own_end_s,
+                intruder, ix, iy, iz, ivx, ivy, approach_s,
                 law.bends, min(bend_s, 0.6 * approach_s), wx, wy,
             )  # fmt: skip
             if not within_limits(config, agent, intruder, horizontal * horizontal + vertical * vertical, own_end_s):
+                continue
+            if law.merging and not all_apart(aircraft, k, own_end_s):
                 continue
             accepted = True
             if k == 0:

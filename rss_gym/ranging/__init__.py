@@ -5,5 +5,11 @@ from typing import Final
 COLOURED: Final = 0
 WHITE: Final = 1
 LEAST_SQUARES: Final = 2
+WHITE_R: Final = 3
 
-RANGE_ESTIMATORS: dict[str, int] = {"ekf-coloured": COLOURED, "ekf-white": WHITE, "ls": LEAST_SQUARES}
+RANGE_ESTIMATORS: dict[str, int] = {
+    "ekf-coloured": COLOURED,
+    "ekf-white": WHITE,  # of the whole variance, R + S
+    "ekf-white-r": WHITE_R,  # of R alone: what the paper compares with
+    "ls": LEAST_SQUARES,
+}
