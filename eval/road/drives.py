@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.eval.episodes import STREAM_SAMPLE, Block, PolicyError, command
+from rss_gym.eval.episodes import Block, PolicyError, command
 from rss_gym.eval.road.suites import RoadSuite
 from rss_gym.eval.table import TABLE
 from rss_gym.highway.env import RoadEnv
 from rss_gym.physics.random import uniform
+from rss_gym.streams import STREAM_SAMPLE
 
 # What a road adds to the table: means over the decisions driven.
 DEVIATIONS = np.dtype([("lane_deviation_m", np.float64), ("speed_deviation_mps", np.float64)])

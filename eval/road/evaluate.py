@@ -42,8 +42,8 @@ class RoadEntry(Entry):
 
     @property
     def hash(self) -> str:
-        """SHA-256 of the specification, for a learned policy of its files, and of the track."""
-        text = json.dumps([getattr(self.policy, "digest", self.spec), self.world.interface.track])
+        """SHA-256 of the specification, for a learned policy of its files, and of what it is told."""
+        text = json.dumps([getattr(self.policy, "digest", self.spec), self.world.interface.information])
         return sha256(text.encode()).hexdigest()
 
 
@@ -91,7 +91,7 @@ def evaluate(
     progress : bool, optional
         Show a progress bar; default: when the error stream is a terminal.
     **changes
-        `channel`, `track` or `estimator`.
+        `channel`, `information` or `estimator`.
 
     Raises
     ------

@@ -18,7 +18,8 @@ from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.path_loss import quantise
 from rss_gym.physics.random import normal, uniform
-from rss_gym.records import ORACLE, RANGE, ROWS
+from rss_gym.records import ORACLE, RANGES, ROWS
+from rss_gym.streams import ROAD_STREAMS, STREAM_ROAD
 
 f8, i8, b1 = np.float64, np.int64, np.bool_
 
@@ -38,15 +39,14 @@ VEHICLE = np.dtype(
     ]
 )
 
-# Streams of a vehicle; the agent is vehicle -1. Those of the world are below 1,000.
-STREAM_ROAD, STREAMS = 10_000, 16
+# Streams of a vehicle, after its first; the agent is vehicle -1.
 TICK_COLOURED, TICK_WHITE, TICK_LOSS, SLOW, START = 0, 1, 2, 3, 8  # SLOW: wander, GNSS x, y, velocity x, y
 
 
 @kernel(inline="always")
 def stream(number):
     """First stream of a vehicle."""
-    return STREAM_ROAD + STREAMS * (number + 1)
+    return STREAM_ROAD + ROAD_STREAMS * (number + 1)
 
 
 @inner
@@ -184,7 +184,7 @@ def gather(config, channel, key, e, state, i, vehicles, links, contacts, block, 
             load_channel(block, r, channel)
             load_vehicle(config, agent, vehicles[0], r)
             load_vehicle(config, craft, vehicles[i + 1], r)
-            load_message(told, r, contacts[i], config.track != RANGE)
+            load_message(told, r, contacts[i], config.information != RANGES)
             load_link(link, r, links[i], e.tick * config.tick_s)
             link.coloured_normal[r] = normal(key, stream(i) + TICK_COLOURED, e.tick)
             link.white_normal[r] = normal(key, stream(i) + TICK_WHITE, e.tick)
@@ -250,7 +250,7 @@ def alert(config, channel, e, vehicle, contact, link, r):
         contact.valid, contact.age_s, contact.std_m = True, 0.0, config.gnss_m
         for axis in range(2):
             contact.velocity_mps[axis] = vehicle.velocity_mps[axis] + vehicle.velocity_error_mps[axis]
-            if config.track != RANGE:
+            if config.information != RANGES:
                 contact.position_m[axis] = vehicle.position_m[axis] + config.gnss_m * vehicle.gnss_error[axis]
     judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
 
@@ -279,10 +279,10 @@ def witness(config, e, range_error_m, road, agent, vehicle):
 
 @kernel
 def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
-    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; true states on track `oracle` only."""
+    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; true states with information `oracle` only."""
     config, channel, e, agent = config_[0], channel_[0], e_[0], vehicles[0]
-    own[0].time_s = e.tick * config.tick_s
-    exact = config.track == ORACLE
+    exact = config.information == ORACLE
+    own[0].std_m = 0.0 if exact else config.gnss_m
     for axis in range(2):
         error_m, error_mps = config.gnss_m * agent.gnss_error[axis], agent.velocity_error_mps[axis]
         own[0].position_m[axis] = agent.position_m[axis] + (0.0 if exact else error_m)
@@ -294,9 +294,11 @@ def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
             continue
         other.range_m, other.range_std_m = link.range_m, sqrt(link.p_dd)
         other.range_rate_mps, other.coloured_db = link.rate_mps, link.coloured_hat_db
-        other.path_loss_factor = channel.path_loss_factor
+        other.path_loss_factor, other.coloured_tc_s = channel.path_loss_factor, channel.coloured_tc_s
+        other.white_std_db, other.coloured_std_db = channel.white_std_db, channel.coloured_std_db
         other.radius_m, other.warning = contact.radius_m, contact.warning
-        other.valid, other.age_s = contact.valid, contact.age_s
+        other.streak = min(contact.streak / config.trials, 1.0)
+        other.valid, other.age_s, other.std_m = contact.valid, contact.age_s, contact.std_m
         for axis in range(2):
             other.position_m[axis] = contact.position_m[axis]
             other.velocity_mps[axis] = contact.velocity_mps[axis]
@@ -306,7 +308,7 @@ def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
 
 @inner
 def reveal(config, e, agent, vehicle, link, channel, other):
-    """Track `oracle`: replace every estimate by the truth."""
+    """Information `oracle`: replace every estimate by the truth."""
     square = rate = 0.0
     for axis in range(2):
         other.position_m[axis], other.velocity_mps[axis] = vehicle.position_m[axis], vehicle.velocity_mps[axis]
@@ -318,4 +320,5 @@ def reveal(config, e, agent, vehicle, link, channel, other):
     other.coloured_db = link.coloured_db
     other.path_loss_factor = channel.path_loss_factor + departure(link, e.tick * config.tick_s)
     other.warning = other.range_m <= other.radius_m
-    other.valid, other.age_s = True, 0.0
+    other.streak = 1.0 if other.warning else 0.0
+    other.valid, other.age_s, other.std_m = True, 0.0, 0.0

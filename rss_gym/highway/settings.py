@@ -23,7 +23,7 @@ def settings(
     decision_s: float,
     vehicles: int = 6,
     channel: Any = "paper",
-    track: str = "paper",
+    information: str = "positions",
     estimator: str = "ekf-coloured",
     zone: Zone | Mapping[str, Any] | None = None,
     ranging: Mapping[str, Any] | None = None,
@@ -39,7 +39,7 @@ def settings(
         How many of the nearest vehicles are observed, 1 to 8.
     channel : str, path, dict, Channel or a list of these
         As in the world; one is drawn an episode.
-    track, estimator : str
+    information, estimator : str
         As in the world.
     zone, ranging, navigation : dict, optional
         Fields of `rss_gym.params.Zone`, `Ranging` and `Navigation` that differ from the road's defaults.
@@ -67,7 +67,7 @@ def settings(
         estimator=estimator,
         agent="gnss",
         intruder="gnss",
-        track=track,
+        information=information,
     )
 
 

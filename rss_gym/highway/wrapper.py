@@ -36,7 +36,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         Of highway-env, with one controlled vehicle.
     vehicles : int
         How many of the nearest vehicles (by estimated range) are observed, 1 to 8; all in radio range keep a filter.
-    channel, track, estimator, zone, ranging, navigation
+    channel, information, estimator, zone, ranging, navigation
         As `rss_gym.highway.settings.settings` takes them.
     radio_range_m : float
         Beyond it a vehicle is not heard and its filter ends.
@@ -64,7 +64,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         env: gym.Env[Any, Any],
         vehicles: int = 6,
         channel: Any = "paper",
-        track: str = "paper",
+        information: str = "positions",
         estimator: str = "ekf-coloured",
         zone: Zone | Mapping[str, Any] | None = None,
         ranging: Mapping[str, Any] | None = None,
@@ -86,7 +86,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         frequency = base.config["simulation_frequency"]
         ticks = int(frequency // base.config["policy_frequency"])
         self.params = settings(
-            1.0 / frequency, ticks / frequency, vehicles, channel, track, estimator, zone, ranging, navigation
+            1.0 / frequency, ticks / frequency, vehicles, channel, information, estimator, zone, ranging, navigation
         )
         self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver
         self._writer = Writer(self.params, radio)

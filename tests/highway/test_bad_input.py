@@ -16,7 +16,7 @@ from rss_gym.params import ParamsError
         ({"scene": "higway"}, "scene 'higway' is unknown; did you mean 'highway'"),
         ({"vehicels": 3}, "no parameter 'vehicels'; did you mean 'vehicles'"),
         ({"vehicles": 9}, r"vehicles must be a whole number in \[1, 8\], got 9"),
-        ({"track": "papr"}, "track = 'papr' is unknown; did you mean 'paper'"),
+        ({"information": "position"}, "information = 'position' is unknown; did you mean 'positions'"),
         ({"estimator": "ekf"}, "estimator = 'ekf' is unknown"),
         ({"driver": "mobil"}, "driver = 'mobil' is unknown"),
         ({"radio": 1}, "radio must be true or false"),

@@ -37,9 +37,9 @@ def test_check_env(road_id):
     check_env(gym.make(road_id).unwrapped, skip_render_check=True)
 
 
-@pytest.mark.parametrize("track", ["range", "oracle"])
-def test_check_env_on_track(track):
-    check_env(gym.make("rss_gym/Highway-v0", track=track).unwrapped, skip_render_check=True)
+@pytest.mark.parametrize("information", ["ranges", "oracle"])
+def test_check_env_with_information(information):
+    check_env(gym.make("rss_gym/Highway-v0", information=information).unwrapped, skip_render_check=True)
 
 
 def test_continuous_actions():
@@ -49,7 +49,7 @@ def test_continuous_actions():
 
 
 def test_spec_makes_the_same(road_id):
-    env = gym.make(road_id, track="range", zone={"reaction_s": 0.5}, vehicles=3)
+    env = gym.make(road_id, information="ranges", zone={"reaction_s": 0.5}, vehicles=3)
     twin = gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     assert twin.unwrapped.params == env.unwrapped.params
     assert data_equivalence(env.reset(seed=4), twin.reset(seed=4), exact=True)
@@ -136,7 +136,7 @@ def test_fields_are_what_is_known(road_id):
 def test_without_radio_the_vehicles_are_not_seen():
     with_radio, without = RoadEnv(), RoadEnv(radio=False)
     one, two = drive(with_radio, [1, 0, 1], seed=2)[-1], drive(without, [1, 0, 1], seed=2)[-1]
-    own = 8
+    own = 9
     assert np.array_equal(one[:own], two[:own])
     assert one[own:].any() and not two[own:].any()
 

@@ -84,7 +84,7 @@ def test_command(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        (["--families", "crossing"], "only channel, track, estimator can be changed"),
+        (["--families", "crossing"], "only channel, information, estimator can be changed"),
         (["--policy", "ruel"], "policy 'ruel' is unknown on a road; did you mean 'rule'"),
         (["--reference", "idm"], "reference 'idm' is not among the policies"),
         (["--episodes", "0"], "episodes must be a whole number >= 1"),
@@ -120,4 +120,4 @@ def test_a_policy_that_fails_is_named():
 def test_suites_are_told_apart_by_their_hash():
     suite = road.SUITES["highway-v0"]
     assert len({found.hash for found in road.SUITES.values()}) == len(road.SUITES)
-    assert suite.changed(track="range").hash != suite.hash == suite.changed().hash
+    assert suite.changed(information="ranges").hash != suite.hash == suite.changed().hash

@@ -101,7 +101,7 @@ def _seed(recipe: RoadRecipe, folder: Path, record: dict[str, Any], index: int) 
 def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], best: int) -> str:
     """What a driver was trained on, how its seeds did, and what it is not for."""
     env = recipe.environment()
-    track, zone_m = env.params.interface.track, env.params.zone.radius_m
+    information, zone_m = env.params.interface.information, env.params.zone.radius_m
     sees = "ranges and messages of the nearest vehicles" if recipe.radio else "no other vehicle"
     table = recipe.imitation
     first = (
@@ -117,7 +117,7 @@ def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], be
     return f"""# Driver `{recipe.name}`, seed {best} of {len(scores)}
 
 Trained by PPO for {recipe.head.steps:,} decisions on `{recipe.head.env}`{first} ({env.scene.summary}).
-It sees {sees}, and its own lane, speed and plan. Track `{track}`, zone {zone_m:g} m.
+It sees {sees}, and its own lane, speed and plan. Information `{information}`, zone {zone_m:g} m.
 Recipe, versions and revision are in `policy.json`; revision {record["revision"]}.
 
 Best validation of each seed, over the same {recipe.validation.episodes} episodes of split `validation`. The best is
