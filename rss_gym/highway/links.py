@@ -279,7 +279,7 @@ def witness(config, e, range_error_m, road, agent, vehicle):
 
 @kernel
 def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
-    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; true states with information `oracle` only."""
+    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; the truth with `oracle` only."""
     config, channel, e, agent = config_[0], channel_[0], e_[0], vehicles[0]
     exact = config.information == ORACLE
     own[0].std_m = 0.0 if exact else config.gnss_m
