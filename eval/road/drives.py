@@ -89,8 +89,8 @@ def _episode(
     for column in COPIED:
         row[column] = e[column]
     row["episode"], row["missed_ticks"] = episode, e["missed"]
-    row["collision"], row["snmac"] = info["collision"], info["near_miss"]  # the table's column of near misses
-    row["cost"] = info["cost_m"]
+    row["collision"], row["snmac"] = info["collision"], info["snmac"]
+    row["cost_m"], row["deviation_end_m"] = info["cost_m"], info["deviation_m"]
     row["flown_s"] = e["tick"] * clock.tick_s
     row["duration_s"] = max(env.scene.duration_s, row["flown_s"]) if info["collision"] else row["flown_s"]
     row["deviation_mean_m"] = info["deviation_mean_m"]

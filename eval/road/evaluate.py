@@ -17,6 +17,7 @@ from tqdm import tqdm
 
 from rss_gym.baselines import road
 from rss_gym.core import checked_seed
+from rss_gym.eval.costs import Prices
 from rss_gym.eval.episodes import Block
 from rss_gym.eval.evaluate import Result, Scored
 from rss_gym.eval.intervals import mean_t
@@ -29,8 +30,7 @@ from rss_gym.eval.workers import NOMINAL
 from rss_gym.params import ParamsError, suggestion
 
 ALL = "all"
-# Not on a road: the small near mid-air collision, and how deep a zone was entered that is not one of fixed radius.
-AIRBORNE = ("snmac_rate", "zone_severity_p50", "zone_severity_p95")
+AIRBORNE = ("zone_severity",)  # not on a road: how deep a zone was entered that is not one of fixed radius
 NAMES = tuple(name for name in METRICS if name not in AIRBORNE)
 UNITS = {"lane_deviation_m": "m", "speed_deviation_mps": "m/s"}
 CHUNK = 10  # episodes that a worker is given at a time
@@ -145,6 +145,7 @@ def score(
             trials=zone.trials,
             range_error_probability=zone.range_error_probability,
             reaction_s=zone.reaction_s,
+            prices=Prices.of(suite.params),
         )
         means = {name: Estimate(*mean_t(deviation[name]), unit=unit) for name, unit in UNITS.items()}
         scored.append(Scored(entry, table, measure(flights, NAMES) | means))

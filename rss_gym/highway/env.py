@@ -12,8 +12,8 @@ import numpy as np
 
 from rss_gym.core import checked_seed
 from rss_gym.highway.config import check
-from rss_gym.highway.cost import Cost, RoadReward
-from rss_gym.highway.settings import changed, mapping
+from rss_gym.highway.cost import Cost
+from rss_gym.highway.settings import mapping, prices
 from rss_gym.highway.wrapper import RssRanging
 from rss_gym.params import ParamsError, Zone, suggestion
 
@@ -114,9 +114,10 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     Minus what the cost of the drive rises by, so that the undiscounted return is minus `info["cost_m"]` at the end. The
     cost is in metres, as in the air: the mean over the decisions of the distance from where the planned lane and speed
-    would have led by then (behind, ahead and beside), `deviation_mean_m`, plus 100 m for a near miss (a vehicle that
-    would touch the agent within 1.5 s if both went straight on) and 10,000 m for a collision, which is a near miss too.
-    `info` has the terms of the last decision: `reward_deviation`, `reward_near_miss`, `reward_collision`.
+    would have led by then (behind, ahead and beside), `deviation_mean_m`, plus 100 m for a near miss and 10,000 m for a
+    collision, which is a near miss too. The near miss takes the place of the air's sNMAC, with its name: at a tick a
+    vehicle would touch the agent within 1.5 s if both went straight on. `info` has the terms of the last decision,
+    `reward_deviation`, `reward_snmac` and `reward_collision`.
 
     ## Episode end
 
@@ -124,8 +125,8 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     ## Arguments
 
-    `config` changes highway-env's configuration, `reward` the prices, fields of
-    `rss_gym.highway.cost.RoadReward`; all else is as for
+    `config` changes highway-env's configuration, `reward` the prices (`deviation_price`, `snmac_price_m`,
+    `collision_price_m`); all else is as for
     `rss_gym.highway.RssRanging`, which has also what seeds do.
     """
 
@@ -152,12 +153,12 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         kind = scene_class(self.scene)
         changes = {} if config is None else config
         check(changes, kind.default_config())
-        self.reward = changed("reward", RoadReward(), reward)
+        priced = prices(reward)
         if not isinstance(zone, Zone):
             zone = {**self.scene.zone, **mapping("zone", {} if zone is None else zone)}
         road = kind(config={**self.scene.configuration, **changes}, render_mode=render_mode)
         self.ranging = RssRanging(road, zone=zone, **keywords)
-        self.params = self.ranging.params
+        self.params = self.ranging.params.replace(reward=priced)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
 
@@ -185,7 +186,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         if seed is None and self.ranging.plan is None:
             seed = int(self.np_random.integers(2**62))
         observation, info = self.ranging.reset(seed=seed, options=options)
-        self._cost = Cost(self.reward)
+        self._cost = Cost(self.params.reward)
         return observation, self._info(info)
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
@@ -201,7 +202,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         if not self.action_space.contains(action):
             raise ValueError(f"action must be in {self.action_space}, got {action!r}")
         observation, _, terminated, truncated, found = self.ranging.step(action)
-        reward = self._cost.decided(self._deviation_m(), found["near_miss"], found["collision"])
+        reward = self._cost.decided(self._deviation_m(), found["snmac"], found["collision"])
         info = self._info(found)
         info["is_success"] = (terminated or truncated) and not info["collision"]
         return observation, reward, terminated, truncated, info
@@ -224,7 +225,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         plan, cost = self.ranging.plan, self._cost
         assert plan is not None
         return {
-            **{name: info[name] for name in ("collision", "near_miss", "zone", "min_separation_m")},
+            **{name: info[name] for name in ("collision", "snmac", "zone", "min_separation_m")},
             "deviation_m": self._deviation_m(),
             "deviation_mean_m": cost.deviation_mean_m,
             "lane_error_m": abs(plan.error_m(self.vehicle)),

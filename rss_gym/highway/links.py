@@ -267,7 +267,7 @@ def witness(config, e, range_error_m, road, agent, vehicle):
     forward, right = vehicle.forward[0] * c + vehicle.forward[1] * s, vehicle.forward[1] * c - vehicle.forward[0] * s
     contact_s = time_to_contact_s(x * c + y * s, y * c - x * s, v * c + w * s, w * c - v * s, forward, right)
     if contact_s < NEAR_MISS_S:
-        e.snmac = True  # the record's column of near misses
+        e.snmac = True
     right_m = y * road[1] - x * road[2] + road[3]
     if abs(right_m) < HALF_LANE_M:
         radius_m = pair_radius_m(

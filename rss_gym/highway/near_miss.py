@@ -1,4 +1,4 @@
-"""Near misses on a road: vehicles that would touch within 1.5 s if both went straight on.
+"""The sNMAC of a road, a near miss: a vehicle that would touch the agent within 1.5 s if both went straight on.
 
 A time to collision below 1.5 s is the usual mark of a serious conflict in traffic (Hyden's technique takes it). In the
 air a near miss is a small separation; on lanes 4 m apart that would hold for whoever drives beside the agent.

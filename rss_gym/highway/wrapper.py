@@ -175,7 +175,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         e, collision = self.sensor.episode, bool(self.base.vehicle.crashed)
         return {
             "collision": collision,
-            "near_miss": collision or bool(e["snmac"]),
+            "snmac": collision or bool(e["snmac"]),
             "zone": bool(e["zone"]),
             "min_separation_m": float(e["min_separation_m"]),
         }

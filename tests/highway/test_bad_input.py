@@ -28,8 +28,10 @@ from rss_gym.params import ParamsError
         ({"navigation": {"barometer_m": 1.0}}, "navigation has no parameter 'barometer_m' on a road"),
         (
             {"reward": {"colision_price_m": 1.0}},
-            "reward: RoadReward has no parameter 'colision_price_m'; did you mean 'collision_price_m'",
+            "reward has no parameter 'colision_price_m' on a road; did you mean 'collision_price_m'",
         ),
+        ({"reward": {"comfort_m": 1.0}}, "reward has no parameter 'comfort_m' on a road"),
+        ({"reward": {"snmac_price_m": -1.0}}, "reward: snmac_price_m must be in"),
         ({"config": {"vehicle_count": 3}}, "config has no key 'vehicle_count'; did you mean 'vehicles_count'"),
         ({"config": {"action": {"type": "Discrete"}}}, "has an unknown type 'Discrete'; did you mean 'DiscreteAction'"),
         (

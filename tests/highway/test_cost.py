@@ -6,12 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rss_gym.highway.cost import Cost, RoadReward
+from rss_gym.highway.cost import Cost
 from rss_gym.highway.env import RoadEnv
 from rss_gym.highway.near_miss import time_to_contact_s
 from rss_gym.ids import ROADS
+from rss_gym.params import Reward
 
-OTHER_PRICES = {"deviation_price": 0.5, "near_miss_price_m": 7.0, "collision_price_m": 30.0}
+OTHER_PRICES = {"deviation_price": 0.5, "snmac_price_m": 7.0, "collision_price_m": 30.0}
 
 
 def drive(env, choose, **keywords):
@@ -20,7 +21,7 @@ def drive(env, choose, **keywords):
     rewards, infos, done = [], [], False
     while not done:
         _, reward, terminated, truncated, info = env.step(choose(len(infos)))
-        assert reward == pytest.approx(sum(info[f"reward_{term}"] for term in ("deviation", "near_miss", "collision")))
+        assert reward == pytest.approx(sum(info[f"reward_{term}"] for term in ("deviation", "snmac", "collision")))
         rewards.append(reward)
         infos.append(info)
         done = terminated or truncated
@@ -46,15 +47,13 @@ def test_return_is_minus_the_cost(end, prices):
     assert last["collision"] == (end == "crash")
     assert terminated == (end in ("crash", "end of the road")) or end == "arrival or time"
     assert sum(rewards) + last["cost_m"] == pytest.approx(0.0, abs=1e-9)
-    want = RoadReward(**prices)
+    want = Reward(**prices)
     mean_m = np.mean([info["deviation_m"] for info in infos])
     assert last["deviation_mean_m"] == pytest.approx(mean_m)
     assert last["cost_m"] == pytest.approx(
-        want.deviation_price * mean_m
-        + want.near_miss_price_m * last["near_miss"]
-        + want.collision_price_m * last["collision"]
+        want.deviation_price * mean_m + want.snmac_price_m * last["snmac"] + want.collision_price_m * last["collision"]
     )
-    assert last["near_miss"] >= last["collision"]
+    assert last["snmac"] >= last["collision"]
 
 
 @pytest.mark.slow
@@ -67,10 +66,10 @@ def test_return_is_minus_the_cost_of_random_drives(name):
 
 
 @given(st.lists(st.floats(0.0, 1e4), min_size=1, max_size=30), st.integers(0, 30), st.integers(0, 30))
-def test_return_is_minus_the_cost_of_any_course(deviations_m, near_miss, collision):
+def test_return_is_minus_the_cost_of_any_course(deviations_m, snmac, collision):
     """Events that happen at any decision, or never."""
-    cost = Cost(RoadReward())
-    near = np.arange(len(deviations_m)) >= near_miss
+    cost = Cost(Reward())
+    near = np.arange(len(deviations_m)) >= snmac
     hit = np.arange(len(deviations_m)) >= collision
     rewards = [cost.decided(d, bool(n), bool(h)) for d, n, h in zip(deviations_m, near, hit, strict=True)]
     assert sum(rewards) + cost.total_m == pytest.approx(0.0, abs=1e-9)
@@ -132,6 +131,6 @@ def test_parallel_and_crossing_bodies_touch_at_it(x, y, v, w, quarter):
 def test_a_drive_behind_a_slower_vehicle_is_a_near_miss_before_it_is_a_collision():
     env = RoadEnv()
     _, infos, _ = drive(env, lambda step: 1, seed=ENDS["crash"][2])
-    near = [info["near_miss"] for info in infos]
+    near = [info["snmac"] for info in infos]
     assert near == sorted(near) and near[-1]
-    assert infos[0]["near_miss"] is False
+    assert infos[0]["snmac"] is False

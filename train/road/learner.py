@@ -37,7 +37,7 @@ class Score:
     steps: int
     episodes: int
     collision_rate: float
-    near_miss_rate: float
+    snmac_rate: float
     deviation_m: float
     cost_m: float  # by which the best is chosen
 
@@ -91,7 +91,7 @@ class _Keeper(BaseCallback):
     def __init__(self, recipe: RoadRecipe, folder: Path, record: dict[str, Any]) -> None:
         super().__init__()
         self.recipe, self.folder, self.record = recipe, folder, record
-        self.env = recipe.environment()
+        self.env = recipe.environment(reward=None)  # the prices of the scores, whatever those of the training
         self.env.reset(seed=0)
         self.world = World.of(self.env)
         self.best: Score | None = None
@@ -136,5 +136,5 @@ class _Keeper(BaseCallback):
 def validate(driver: Any, env: Any, episodes: int, steps: int) -> Score:
     """Drive `episodes` of split `validation`, seed 0."""
     rows = np.concatenate([row for row, _, _ in drive(driver, "agent", env, Block("validation", 0, range(episodes)))])
-    means = (float(np.mean(rows[name])) for name in ("collision", "snmac", "deviation_mean_m", "cost"))
+    means = (float(np.mean(rows[name])) for name in ("collision", "snmac", "deviation_mean_m", "cost_m"))
     return Score(steps, episodes, *means)

@@ -110,7 +110,7 @@ def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], be
         else ""
     )
     rows = "\n".join(
-        f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.near_miss_rate:.3f} "
+        f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.snmac_rate:.3f} "
         f"| {score.deviation_m:.1f} | {score.cost_m:.1f} |"
         for index, score in enumerate(scores)
     )
