@@ -69,7 +69,7 @@ def markup(result: RoadResult) -> str:
 NOTE = (
     '<p class="note">Ranked by cost: mean deviation while driven, plus 100 m for a near miss and 10,000 m for a '
     "collision; a difference from the first is of the pairs of drives. The deviation is the distance from where the "
-    "planned lane and speed would have led; the means of both parts are in scores.json. A near miss has the name of the "
-    "air's, sNMAC: at a tick a vehicle would touch the agent within 1.5 s if both went straight on. The zone of a pair "
-    "is (40) at the true closing speed; it is violated by a vehicle on the agent's own lane only.</p>"
+    "planned lane and speed would have led; the means of both parts are in scores.json. A near miss, called sNMAC "
+    "as in the air: at a tick a vehicle would touch the agent within 1.5 s if both went straight on. The zone of a "
+    "pair is (40) at the true closing speed; it is violated by a vehicle on the agent's own lane only.</p>"
 )
