@@ -27,7 +27,7 @@ from rss_gym.eval.road.drives import DEVIATIONS, drive, environment
 from rss_gym.eval.road.suites import SUITES, RoadSuite
 from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL
-from rss_gym.params import ParamsError, suggestion
+from rss_gym.params import Params, ParamsError, suggestion
 
 ALL = "all"
 AIRBORNE = ("zone_severity",)  # not on a road: how deep a zone was entered that is not one of fixed radius
@@ -211,7 +211,9 @@ def _prepared(policies: Sequence[str], suite: RoadSuite, reference: str | None) 
         name = folder_name(spec) if getattr(policy, "digest", "") else spec
         if name in [entry.name for entry in entries]:
             raise ParamsError(f"policy {name!r} is given twice")
-        entries.append(RoadEntry(name, spec, policy, suite.params))
+        told = getattr(policy, "information", None)  # who is told more is no rival
+        world = Params.of(suite.params, information=told, tracker="fused") if told else suite.params
+        entries.append(RoadEntry(name, spec, policy, world))
     reference = reference or entries[1 if len(entries) > 1 else 0].name
     if reference not in [entry.name for entry in entries]:
         raise ParamsError(f"reference {reference!r} is not among the policies driven")
