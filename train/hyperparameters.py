@@ -225,8 +225,7 @@ class Imitation(Group):
     critic_steps : int
         So many first decisions of the training teach the critic alone: one that knows nothing spoils the actor.
     competes : bool
-        Whether the imitated policy may be kept as the best. Between policies that the validation does not tell apart in
-        safety the ranking takes the one that deviates less, which in a short validation favours it.
+        Whether the imitated policy may be kept as the best.
     """
 
     policy: str = "mpc"
