@@ -119,7 +119,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of SB3")
     command.add_argument("--out", required=True, metavar="DIR", help="new folder for the policy")
     command.add_argument("--env", help="the id the .zip was trained in; default: rss_gym/Encounter-v0")
-    command.add_argument("--algorithm", help="pathwise, ppo, recurrent-ppo or sac; default: what the .zip looks like")
+    command.add_argument("--algorithm", help="ppo, recurrent-ppo or sac; default: what the .zip looks like")
     command.add_argument(
         "--set",
         nargs="+",

@@ -161,7 +161,10 @@ def wait_for_lock(seeds):
     [
         ("ppo", {"vec.stack": 2, "vec.normalise_observation": True}),
         ("ppo", {"vec.normalise_reward": False, "curriculum": [{"start": 0.4, "comfort_m": 20.0}]}),
-        ("ppo", {"recipe.env": "rss_gym/Encounter3D-v0", "world.track": "range", "world.channel": ["paper", "clean"]}),
+        (
+            "ppo",
+            {"recipe.env": "rss_gym/EncounterRangeOnly-v0", "world.planar": False, "world.channel": ["paper", "clean"]},
+        ),
         ("recurrent-ppo", {"policy.lstm_hidden_size": 8}),
         ("sac", {}),
     ],
@@ -268,12 +271,14 @@ def test_episodes_are_recorded(small):
         again = course.step(actions)
         np.testing.assert_array_equal(again[1], rewards)
         for row in range(8):
-            kept[row].append((rewards[row], infos[row]["deviation_m"]))
+            kept[row].append(rewards[row])
             assert ("episode" in again[3][row]) == dones[row]
             if dones[row]:
                 episode, flown = again[3][row]["episode"], np.array(kept[row], float)
                 assert episode["l"] == len(flown) and episode["collision"] == infos[row]["collision"]
-                np.testing.assert_allclose([episode["r"], episode["deviation_m"]], flown.sum(0) / [1, len(flown)])
+                np.testing.assert_allclose(episode["r"], flown.sum())
+                # The reward's own count of it, at a price of one.
+                assert episode["deviation_m"] == infos[row]["deviation_mean_m"] > 0.0
                 kept[row], ended = [], ended + 1
     assert ended >= 8
 
@@ -323,7 +328,7 @@ def test_bad_arguments_are_one_sentence(capsys, tmp_path, finished):
     assert "workers" in refused(capsys, "ppo", "--workers", "0", "--out", out)
     assert "steps" in refused(capsys, "ppo", "--steps", "-1", "--out", out)
     assert "did you mean" in refused(capsys, "ppo", "--env", "rss_gym/Encounter-v1", "--out", out)
-    assert "track" in refused(capsys, "ppo", "--track", "blind", "--out", out)
+    assert "information" in refused(capsys, "ppo", "--information", "blind", "--out", out)
     assert "'papr'" in refused(capsys, "ppo", "--channel", "papr", "--out", out)
     assert "key=value" in refused(capsys, "ppo", "--set", "steps", "--out", out)
     assert "nothing but --workers" in refused(capsys, "ppo", "--resume", str(finished))
