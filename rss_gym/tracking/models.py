@@ -14,7 +14,7 @@ DEFAULTS: Final = {
     "unheard_tc_s": 5.0,  # how long that error lasts
     "message_share": 20.0,  # k of Var = std^2 (1 + k (std / distance)^2) of a fix by radio
     "range_share": 6.0,  # the same of a range
-    "range_repeat": 4.0,  # how often the same error of the range comes back, in its correlation times
+    "range_repeat": 2.0,  # how often the same error of the range comes back, in its correlation times
     "hypotheses": 24,
     "miss_std_m": 42.0,
     "rest_inflation": 3.0,
@@ -55,6 +55,7 @@ MODEL = np.dtype(
 )
 
 NODE_SHARE: Final = 0.7  # of the square's side: from inside it to its corners
+MANOEUVRE_MPS: Final = 0.2  # error of a relative velocity that is read twice a second in gusts and turns, per axis
 FOREVER_S: Final = 1e6
 FLOOR_M: Final = 1.0  # nearer, the slope of the path loss would say more about the bearing than the motion can
 CLOSING_STD_MPS: Final = 0.5  # the message may already tell the first half second of braking
@@ -72,7 +73,7 @@ def model(params: Params) -> np.ndarray:
     out["decision_s"], out["tick_s"], out["planar"] = clock.decision_s, clock.tick_s, encounter.planar
     speed = {"gnss": nav.velocity_mps, "rss": nav.velocity_mps, "dead-reckoning": nav.dead_reckoning_mps}
     variance = speed[nav.agent] ** 2 + speed[nav.intruder] ** 2
-    out["velocity_variance_m2ps2"] = variance
+    out["velocity_variance_m2ps2"] = variance + MANOEUVRE_MPS**2
     out["velocity_decay"] = np.exp(-clock.decision_s / nav.velocity_tc_s)
     time_s = {"gnss": nav.gnss_tc_s, "rss": 0.0, "dead-reckoning": FOREVER_S}
     out["own_tc_s"], out["other_tc_s"] = time_s[nav.agent], time_s[nav.intruder]
