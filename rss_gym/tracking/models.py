@@ -6,16 +6,15 @@ import numpy as np
 
 from rss_gym.params import Params
 
-f8, i8, b1 = np.float64, np.int64, np.bool_
+f8, b1 = np.float64, np.bool_
 
 # Recommended fields of `params.tracking`; taken from there where it has them.
 DEFAULTS: Final = {
     "unheard_mps": 1.0,  # error of an intruder's velocity that is no longer told
     "unheard_tc_s": 5.0,  # how long that error lasts
-    "message_share": 20.0,  # k of Var = std^2 (1 + k (std / distance)^2) of a fix by radio
-    "range_share": 6.0,  # the same of a range
+    "message_share": 30.0,  # k of Var = std^2 (1 + k (std / distance)^2) of a fix by radio
+    "range_share": 8.0,  # the same of a range
     "range_repeat": 2.0,  # how often the same error of the range comes back, in its correlation times
-    "hypotheses": 24,
     "miss_std_m": 42.0,
     "rest_inflation": 3.0,
 }
@@ -41,10 +40,8 @@ MODEL = np.dtype(
         ("range_share", f8),
         ("range_repeat", f8),
         # Of the bank of bearings
-        ("hypotheses", i8),
         ("process_noise_m2", f8),  # of the link's filter, in a tick
         ("rest_inflation", f8),
-        ("factor_decay", f8),  # of that deviation, over a decision
         ("vertical_variance_m2", f8),  # of the height between the two, which the bank leaves out
         ("spread_m2", f8),  # variance of the relative way flown in a decision, per axis, and without messages
         ("spread_unheard_m2", f8),
@@ -84,12 +81,11 @@ def model(params: Params) -> np.ndarray:
     out["node_log"] = np.log(out["node_m"])
     unheard = _value(params, "unheard_mps")
     out["unheard_mps"], out["unheard_m2ps"] = unheard, 2.0 * unheard**2 * _value(params, "unheard_tc_s")
-    for name in ("message_share", "range_share", "range_repeat", "hypotheses", "rest_inflation", "miss_std_m"):
+    for name in ("message_share", "range_share", "range_repeat", "rest_inflation", "miss_std_m"):
         out[name] = _value(params, name)
     out["process_noise_m2"] = params.ranging.process_noise_m2
     out["wander"] = np.sqrt(np.mean([channel.path_loss_wander**2 for channel in params.channels]))
     out["wander_tc_s"] = max(channel.path_loss_wander_tc_s for channel in params.channels)
-    out["factor_decay"] = np.exp(-clock.decision_s / max(c.path_loss_wander_tc_s for c in params.channels))
     out["vertical_variance_m2"] = 0.0 if encounter.planar else encounter.vertical_offset_m**2
     out["spread_m2"] = variance * DRIFT_S * clock.decision_s
     out["spread_unheard_m2"] = (variance + unheard**2) * DRIFT_S * clock.decision_s
