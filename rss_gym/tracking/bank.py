@@ -12,7 +12,7 @@ from rss_gym.physics.elementary import cos, exp, log10, sin
 from rss_gym.physics.path_loss import slope_db_pm
 from rss_gym.tracking import bearing
 
-HYPOTHESES: Final = 24
+HYPOTHESES: Final = 32
 W: Final = 0  # weight, at most 1
 X, Y, PHI, XX, XY, XP, YY, YP, PP = (HYPOTHESES * column for column in range(1, 10))
 SIZE: Final = 10 * HYPOTHESES
