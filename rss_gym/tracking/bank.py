@@ -92,22 +92,33 @@ def advance(m, at, dx, dy, spread_m2, other, model):
 
 
 @kernel(forceinline=True)
-def side(m, at, vx, vy, sign):
-    """Weight, mean (x, y) and covariance (xx, xy, yy) of the hypotheses on one side of the relative velocity.
+def sides(m, at, vx, vy):
+    """Moments of the hypotheses to the left and to the right of the relative velocity, for `summed`.
 
-    `sign` +1 takes those to the left of it, -1 those to the right, seen from above with y to the left of x. The weight
-    is not normalised; without weight the mean is zero.
+    Left is where y is positive if the velocity is along x. Each is the weight, not normalised, and the weighted sums of
+    (x, y) and of its second moments (xx, xy, yy).
     """
-    w = x = y = xx = xy = yy = 0.0
+    lw = lx = ly = lxx = lxy = lyy = 0.0
+    rw = rx = ry = rxx = rxy = ryy = 0.0
     for k in range(HYPOTHESES):
-        hx, hy = m[at + X + k], m[at + Y + k]
-        share = m[at + k] if sign * (vx * hy - vy * hx) >= 0.0 else 0.0  # on the line itself: to either side
-        w += share
-        x, y = x + share * hx, y + share * hy
-        xx += share * (m[at + XX + k] + hx * hx)
-        xy += share * (m[at + XY + k] + hx * hy)
-        yy += share * (m[at + YY + k] + hy * hy)
+        x, y, w = m[at + X + k], m[at + Y + k], m[at + k]
+        left = w if vx * y - vy * x >= 0.0 else 0.0
+        right = w - left
+        xx, xy, yy = m[at + XX + k] + x * x, m[at + XY + k] + x * y, m[at + YY + k] + y * y
+        lw, lx, ly, lxx, lxy, lyy = (
+            lw + left, lx + left * x, ly + left * y, lxx + left * xx, lxy + left * xy, lyy + left * yy,
+        )  # fmt: skip
+        rw, rx, ry, rxx, rxy, ryy = (
+            rw + right, rx + right * x, ry + right * y, rxx + right * xx, rxy + right * xy, ryy + right * yy,
+        )  # fmt: skip
+    return (lw, lx, ly, lxx, lxy, lyy), (rw, rx, ry, rxx, rxy, ryy)
+
+
+@kernel(forceinline=True)
+def summed(moments):
+    """Mean (x, y) and covariance (xx, xy, yy) of one side; zero without weight."""
+    w, x, y, xx, xy, yy = moments
     if w == 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     x, y = x / w, y / w
-    return w, x, y, xx / w - x * x, xy / w - x * y, yy / w - y * y
+    return x, y, xx / w - x * x, xy / w - x * y, yy / w - y * y

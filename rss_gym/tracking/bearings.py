@@ -12,7 +12,7 @@ from rss_gym.tracking import bank
 from rss_gym.tracking.record import BANK, OPEN, SIDE, WAY
 
 KEEP = 0.05  # the other side must be this much more probable than one half
-bank_start, bank_advance, bank_side = bank.start, bank.advance, bank.side
+bank_start, bank_advance, sides, summed = bank.start, bank.advance, bank.sides, bank.summed
 
 
 @kernel(forceinline=True)
@@ -32,19 +32,19 @@ def advance(own, other, memory, track, model):
     u, v = own.velocity_mps, other.velocity_mps
     vx, vy, vz = v[0] - u[0], v[1] - u[1], v[2] - u[2]
     if m[OPEN] == 0.0:
-        m[OPEN], m[SIDE] = 1.0, 1.0
+        m[OPEN], m[SIDE] = 1.0, 1.0  # left until one is more probable
         bank_start(m, BANK, other, vx, vy, model)
     else:
         half = 0.5 * model.decision_s
         spread_m2 = model.spread_m2 if other.warning else model.spread_unheard_m2
         bank_advance(m, BANK, half * (m[WAY] + vx), half * (m[WAY + 1] + vy), spread_m2, other, model)
     m[WAY], m[WAY + 1] = vx, vy
-    here_w, x, y, xx, xy, yy = bank_side(m, BANK, vx, vy, m[SIDE])
-    there_w, tx, ty, txx, txy, tyy = bank_side(m, BANK, vx, vy, -m[SIDE])
-    probability = here_w / (here_w + there_w)
+    left, right = sides(m, BANK, vx, vy)
+    probability = (left[0] if m[SIDE] > 0.0 else right[0]) / (left[0] + right[0])
     if probability < 0.5 - KEEP:
         m[SIDE], probability = -m[SIDE], 1.0 - probability
-        x, y, xx, xy, yy, tx, ty = tx, ty, txx, txy, tyy, x, y
+    x, y, xx, xy, yy = summed(left if m[SIDE] > 0.0 else right)
+    tx, ty, _, _, _ = summed(right if m[SIDE] > 0.0 else left)
     track.position_m[0], track.position_m[1], track.position_m[2] = x, y, 0.0
     track.velocity_mps[0], track.velocity_mps[1], track.velocity_mps[2] = vx, vy, vz
     track.xx, track.xy, track.yy, track.zz = xx, xy, yy, model.vertical_variance_m2
