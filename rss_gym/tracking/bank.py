@@ -12,12 +12,14 @@ from rss_gym.physics.elementary import cos, exp, log10, sin
 from rss_gym.physics.path_loss import slope_db_pm
 from rss_gym.tracking import bearing
 
-HYPOTHESES: Final = 32
+HYPOTHESES: Final = 24
 W: Final = 0  # weight, at most 1
 X, Y, PHI, XX, XY, XP, YY, YP, PP = (HYPOTHESES * column for column in range(1, 10))
 SIZE: Final = 10 * HYPOTHESES
 LEAST_WEIGHT: Final = 1e-17  # of the best: no hypothesis is given up for good
 APART: Final = 2.0 * 3.141592653589793 / HYPOTHESES
+# Standard deviation of a hypothesis across its bearing when it opens, in spacings: wider ones cannot follow the ring.
+WIDTH: Final = 0.3
 
 predict, update, open_covariance = bearing.predict, bearing.update, bearing.open_covariance
 held_dbm, held_variance_db2 = bearing.held_dbm, bearing.held_variance_db2
@@ -53,7 +55,7 @@ def start(m, at, other, vx, vy, model):
     p_dp, p_pp = open_covariance(d, variance, other.path_loss_factor, s, rest)
     speed = sqrt(vx * vx + vy * vy)
     ax, ay = (vx / speed, vy / speed) if speed > 0.0 else (1.0, 0.0)
-    across = (0.6 * d * APART) * (0.6 * d * APART)
+    across = (WIDTH * d * APART) * (WIDTH * d * APART)
     more, best = variance - across, 0.0
     for k in range(HYPOTHESES):
         # Mirror images of each other in the relative velocity, and none on it.
