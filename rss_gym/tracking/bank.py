@@ -62,7 +62,11 @@ def start(m, at, other, vx, vy, model):
         forth, right = cos((k + 0.5) * APART), sin((k + 0.5) * APART)
         nx, ny = forth * ax - right * ay, forth * ay + right * ax
         m[at + X + k], m[at + Y + k], m[at + PHI + k] = d * nx, d * ny, other.coloured_db
-        m[at + XX + k], m[at + XY + k], m[at + YY + k] = across + more * nx * nx, more * nx * ny, across + more * ny * ny
+        m[at + XX + k], m[at + XY + k], m[at + YY + k] = (
+            across + more * nx * nx,
+            more * nx * ny,
+            across + more * ny * ny,
+        )
         m[at + XP + k], m[at + YP + k], m[at + PP + k] = p_dp * nx, p_dp * ny, p_pp
         closing, blur = -speed * forth, model.closing_std_mps
         miss = d * right * speed / (speed + blur) / model.miss_std_m

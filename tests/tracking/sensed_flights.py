@@ -11,7 +11,8 @@ STEP_S = 0.5
 
 def world(**changes):
     """The model of a plane in which both sides are localised by radio, unless told."""
-    return model(Params.of(**{"agent": "rss", "intruder": "rss", "node_square_m": 300.0, **changes}))[0]
+    steady = {"agent": "rss", "intruder": "rss", "node_square_m": 300.0, "channel": {"path_loss_wander": 0.0}}
+    return model(Params.of(**{**steady, **changes}))[0]
 
 
 def records(**fields):
@@ -67,7 +68,7 @@ def flights(rng, count, steps, std_m, range_std_m, turning=False):
     own["std_m"] = other["std_m"] = std_m
     share = errors(rng, count, steps, 1.0, 2.0)
     d = np.hypot(x, y)
-    other["range_std_m"] = range_std_m * np.maximum(d, 20.0) / 60.0
+    other["range_std_m"] = range_std_m * np.maximum(d, 35.0) / 60.0
     other["range_m"] = np.maximum(d + share * other["range_std_m"], 0.3)
     other["present"] = other["valid"] = other["warning"] = True
     other["path_loss_factor"], other["white_std_db"] = 2.7, 0.3

@@ -29,17 +29,17 @@ def test_a_weave_tells_the_sides_apart(constants, weaving):
     mirror = np.linalg.norm(tracks["other_m"] - truth, axis=-1)
     right = mean_error(tracks, truth) < mirror
     assert right[0].mean() < 0.75  # by chance
-    assert right[36:44].mean() > 0.8
-    assert np.median(mean_error(tracks, truth)[36:44]) < 0.5 * np.median(mean_error(tracks, truth)[:4])
+    assert right[50:].mean() > 0.75
+    assert np.median(mean_error(tracks, truth)[50:]) < 0.3 * np.median(mean_error(tracks, truth)[:4])
 
 
-def test_the_side_is_as_probable_as_it_is_right(constants, weaving):
+def test_a_side_that_is_sure_is_mostly_right(constants, weaving):
     truth, own, other = weaving
     tracks = sensing.fly(bearings, "bearings", own, other, constants)
     right = mean_error(tracks, truth) < np.linalg.norm(tracks["other_m"] - truth, axis=-1)
-    sure = tracks["side_probability"][20:60] > 0.9
-    assert sure.mean() > 0.3
-    assert right[20:60][sure].mean() > 0.8
+    sure = tracks["side_probability"] > 0.95
+    assert sure.mean() > 0.2
+    assert right[sure].mean() > 0.8
 
 
 def test_errors_on_the_right_side_are_as_stated(constants, weaving):
