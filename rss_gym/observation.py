@@ -12,7 +12,6 @@ import numpy as np
 
 from rss_gym.jit import inner, kernel
 from rss_gym.params import Params
-from rss_gym.physics.motion import clip
 from rss_gym.tracking.approach import closest
 
 LIMIT = 3.0  # scaled values are clipped to this
@@ -165,9 +164,9 @@ def split(observation: np.ndarray, params: Params) -> dict[str, np.ndarray]:
 
 def restored(values: np.ndarray, table: list[Field]) -> np.ndarray:
     """Columns of the observation as SI values, what was clipped excepted. Shape as `values` (..., d)."""
-    scale, _, _, stretch = transforms(table).T
-    share = np.minimum(np.abs(values), 1.0 - 2.0**-24)  # the largest float32 below 1
-    return np.where(stretch > 0.0, np.sign(values) * stretch * share / (1.0 - share), values * scale)
+    scale, stretch, _, _ = transforms(table).T
+    share = np.where(stretch > 0.0, np.minimum(np.abs(values), 1.0 - 2.0**-24), 0.0)  # the largest float32 below 1
+    return values * scale / (1.0 - share)
 
 
 def bounds(params: Params) -> tuple[np.ndarray, np.ndarray]:
@@ -177,17 +176,17 @@ def bounds(params: Params) -> tuple[np.ndarray, np.ndarray]:
 
 
 def transforms(table: list[Field]) -> np.ndarray:
-    """Scale, low, high and stretch of each column, for `transform`. Shape (d, 4)."""
-    return np.array([[f.scale, f.low, f.high, f.stretch] for f in table])
+    """Of each column a, b, low and high, for `transform`: clip(x / (a + b |x|), low, high). Shape (d, 4)."""
+    return np.array([[f.stretch or f.scale, float(f.stretch > 0.0), f.low, f.high] for f in table])
 
 
 @kernel(forceinline=True)
 def transform(raw, table, out):
     """SI values `raw` (d,) -> columns `out` (d,) float32, each scaled and clipped or stretched by its row of `table`."""
     for column in range(len(out)):
-        x, scale, low, high, stretch = raw[column], table[column, 0], table[column, 1], table[column, 2], table[column, 3]
-        y = x / (abs(x) + stretch) if stretch > 0.0 else x / scale
-        out[column] = np.float32(clip(y, low, high))
+        x = raw[column]
+        y = x / (table[column, 0] + table[column, 1] * abs(x))
+        out[column] = np.float32(min(max(y, table[column, 2]), table[column, 3]))
 
 
 @inner
