@@ -42,10 +42,11 @@ def add_up(config, block, e, r):
 
 
 @inner(forceinline=True)
-def alert(config, e, k, contact, path, agent, craft, lanes, link, mail, r):
+def alert(config, e, k, contact, path, agent, craft, lanes, link, leaving, arriving, r):
     """Warning and messages of intruder k after a tick.
 
-    `contact` and `path` (its aircraft) are records of the row, `mail` (1 + latency) its messages on their way.
+    `contact`, `path` (its aircraft), `leaving` and `arriving` (its messages of now and of `latency_ticks` ago, the same
+    without latency) are records of the row.
     """
     warned = contact.warning
     if config.zone_adaptive:
@@ -55,12 +56,11 @@ def alert(config, e, k, contact, path, agent, craft, lanes, link, mail, r):
         if config.information == RANGES and not contact.hovered:
             contact.hovered, path.hover_until_s = True, e.tick * config.tick_s + config.hover_s
             craft.hover_until_s[r] = path.hover_until_s
-        send(config, e, k, contact, path, craft, mail[e.tick % len(mail)], r)
+        send(config, e, k, contact, path, craft, leaving, r)
     else:
-        mail[e.tick % len(mail)].sent = False
-    arrived = mail[(e.tick + 1) % len(mail)]  # the oldest: sent `latency_ticks` ago
-    if arrived.sent:
-        hold(config, contact, arrived)
+        leaving.sent = False
+    if arriving.sent:
+        hold(config, contact, arriving)
         load_message(lanes, r, contact, config.information != RANGES)
     elif not is_fresh(contact):
         lanes.known[r] = 0.0
@@ -82,6 +82,16 @@ def warn(config, contact, range_m):
 
 
 @inner(forceinline=True)
+def planned_ahead(path, lanes, ahead_s, r):
+    """Where an aircraft plans to be `ahead_s` from now, relative to where it plans to be now: x, y, z."""
+    later_s, v = lanes.clock_s[r] + ahead_s, lanes.planned_mps
+    if later_s < lanes.turn_s[r]:
+        return v[0, r] * ahead_s, v[1, r] * ahead_s, v[2, r] * ahead_s
+    x, y, z, _, _, _ = planned(path, leg_at(path, path.leg, later_s), later_s)
+    return x - lanes.planned_m[0, r], y - lanes.planned_m[1, r], z - lanes.planned_m[2, r]
+
+
+@inner(forceinline=True)
 def send(config, e, k, contact, path, craft, message, r):
     """An intruder states its own solution: where it is, how fast, how sure, and where it plans to be.
 
@@ -92,9 +102,7 @@ def send(config, e, k, contact, path, craft, message, r):
         config.message_loss <= 0.0 or uniform(e.key, STREAM_MESSAGE + k, e.tick) >= config.message_loss
     )
     message.std_m = craft.solution_std_m[r]
-    later_s = craft.clock_s[r] + config.announce_s
-    x, y, z, _, _, _ = planned(path, leg_at(path, path.leg, later_s), later_s)
-    ahead = x - craft.planned_m[0, r], y - craft.planned_m[1, r], z - craft.planned_m[2, r]
+    ahead = planned_ahead(path, craft, config.announce_s, r)
     for axis in range(3):
         message.velocity_mps[axis] = craft.solution_mps[axis, r]
         message.position_m[axis] = craft.solution_m[axis, r]

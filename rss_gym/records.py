@@ -274,7 +274,7 @@ _CONFIG_INTS = (
 CONFIG = np.dtype(
     [(name, f8) for name in _CONFIG_FLOATS]
     + [(name, i8) for name in _CONFIG_INTS]
-    + [("planar", b1), ("zone_adaptive", b1), ("lossy", b1), ("nodes_m", f8, (NODES, 3))]
+    + [("planar", b1), ("zone_adaptive", b1), ("lossy", b1), ("wanders", b1), ("nodes_m", f8, (NODES, 3))]
 )
 
 
@@ -347,10 +347,21 @@ def normal_streams(params: Params, used: np.ndarray) -> tuple[np.ndarray, np.nda
     k = params.encounter.intruders
     g = [global_link(k, int(link)) for link in used]
     tick = [streams.STREAM_TICK + 2 * link + part for link in g for part in (0, 1)]
-    # Gust, GNSS and velocity of each axis, then the barometer; in the plane nothing has errors upwards.
-    processes = [0, 3, 6, 1, 4, 7] if params.encounter.planar else [0, 3, 6, 1, 4, 7, 2, 5, 8, 9]
-    aircraft = [streams.STREAM_AIRCRAFT + 10 * a + process for a in range(1 + k) for process in processes]
-    return np.array(tick), np.array([streams.STREAM_WANDER + link for link in g] + aircraft)
+
+    # Gust, velocity and, where it is used, GNSS of each axis, then the barometer; in the plane nothing has errors upwards.
+    def processes(a: int) -> list[int]:
+        uses_gnss = (params.navigation.intruder if a else params.navigation.agent) == "gnss"
+        axes = [[axis, 6 + axis, *([3 + axis] if uses_gnss else [])] for axis in range(2 if params.encounter.planar else 3)]
+        return [process for axis in axes for process in axis] + ([] if params.encounter.planar else [9])
+
+    aircraft = [streams.STREAM_AIRCRAFT + 10 * a + process for a in range(1 + k) for process in processes(a)]
+    wander = [streams.STREAM_WANDER + link for link in g] if wanders(params) else []
+    return np.array(tick), np.array(wander + aircraft)
+
+
+def wanders(params: Params) -> bool:
+    """Whether any path loss factor changes."""
+    return any(channel.path_loss_wander > 0.0 for channel in params.channels)
 
 
 def _process(record: Any, name: str, std: float, period_s: float, tc_s: float) -> None:
@@ -384,6 +395,7 @@ def config(params: Params) -> np.ndarray:
     record["rate_gain"] = p.clock.tick_s / (p.clock.tick_s + p.ranging.rate_tc_s)
     record["radius_m"], record["trials"] = p.zone.radius_m, p.zone.trials
     record["lossy"] = any(channel.quantisation_db > 0.0 or channel.packet_loss > 0.0 for channel in p.channels)
+    record["wanders"] = wanders(p)
     record["zone_adaptive"] = p.zone.zone == "adaptive"
     record["estimator"] = RANGE_ESTIMATORS[p.ranging.estimator]
     record["information"] = INFORMATION[p.interface.information]

@@ -22,7 +22,7 @@ from rss_gym.observation import transform, write
 from rss_gym.physics.geometry import assign, zero
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.random import episode_key, fill_normals, normal, uniform
-from rss_gym.records import DEAD_RECKONING, ORACLE, RANGES, RSS
+from rss_gym.records import DEAD_RECKONING, GNSS, ORACLE, RANGES, RSS
 from rss_gym.cost import conclude, is_finite, potential_m
 from rss_gym.sensing import reveal_track, sense_row
 from rss_gym.streams import MAX_INTRUDERS, NODES, STREAM_EPISODE, STREAM_START_AIRCRAFT, STREAM_START_LINK
@@ -120,11 +120,14 @@ def decide(world, seen, skip, actions, observations, rewards):
 def alert_row(world, r):
     """Warnings and messages of lane r."""
     config, i, lanes = world.config[0], world.block[0].row[r], world.aircraft_lanes
-    e = world.episode[i]
+    e, now, oldest = world.episode[i], 0, 0  # the places of messages in the ring of those on their way
+    if config.latency_ticks > 0:
+        now, oldest = e.tick % (config.latency_ticks + 1), (e.tick + 1) % (config.latency_ticks + 1)
     for k in range(e.intruders):
-        contact, craft, mail = world.contacts[i, k], world.aircraft[i, 1 + k], world.mail[i, k]
+        contact, craft = world.contacts[i, k], world.aircraft[i, 1 + k]
+        leaving, arriving = world.mail[i, k, now], world.mail[i, k, oldest]
         heard, link = world.contact_lanes[k], world.link_lanes[k]
-        alert(config, e, k, contact, craft, lanes[0], lanes[1 + k], heard, link, mail, r)
+        alert(config, e, k, contact, craft, lanes[0], lanes[1 + k], heard, link, leaving, arriving, r)
 
 
 @inner
@@ -316,24 +319,27 @@ def drift(world, i):
     number, channel = e.tick // config.ticks_per_decision, world.channels[e.channel]
     if number % 4 == 0:
         fill_normals(e.key, world.decision_streams, number // 4, normals)
-    at = number % 4  # of the normals, in the order of `records.streams`: four of each
-    for n in range(len(world.used)):
-        if owner(config, world.used[n]) <= e.intruders:
-            link = world.links[i, world.used[n]]
-            link.wander = gauss_markov(link.wander, channel.wander_decay, channel.wander_drive, normals[at])
-        at += 4
+    at = number % 4  # of the normals, in the order of `records.normal_streams`: four of each
+    if config.wanders:
+        for n in range(len(world.used)):
+            if owner(config, world.used[n]) <= e.intruders:
+                link = world.links[i, world.used[n]]
+                link.wander = gauss_markov(link.wander, channel.wander_decay, channel.wander_drive, normals[at])
+            at += 4
     for a in range(1 + e.intruders):
         # The velocity is known from dead reckoning, or from the radio's broadcast solution.
-        velocity_a, velocity_drive = config.velocity_decay, config.velocity_drive
-        if localisation(config, a) == DEAD_RECKONING:
+        mode, velocity_a, velocity_drive = localisation(config, a), config.velocity_decay, config.velocity_drive
+        if mode == DEAD_RECKONING:
             velocity_a, velocity_drive = config.drift_decay, config.drift_drive
         craft = world.aircraft[i, a]
         gust, gnss, velocity = craft.gust_mps, craft.gnss_error_m, craft.velocity_error_mps
         for axis in range(2 if config.planar else 3):  # in the plane nothing has errors upwards
             gust[axis] = gauss_markov(gust[axis], config.gust_decay, config.gust_drive_mps, normals[at])
-            gnss[axis] = gauss_markov(gnss[axis], config.gnss_decay, config.gnss_drive, normals[at + 4])
-            velocity[axis] = gauss_markov(velocity[axis], velocity_a, velocity_drive, normals[at + 8])
-            at += 12
+            velocity[axis] = gauss_markov(velocity[axis], velocity_a, velocity_drive, normals[at + 4])
+            at += 8
+            if mode == GNSS:
+                gnss[axis] = gauss_markov(gnss[axis], config.gnss_decay, config.gnss_drive, normals[at])
+                at += 4
         if not config.planar:
             craft.barometer_error_m = gauss_markov(
                 craft.barometer_error_m, config.barometer_decay, config.barometer_drive, normals[at]
