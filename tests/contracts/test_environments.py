@@ -242,7 +242,7 @@ def test_ends(env_id, information):
     """A collision terminates, the clock truncates, never both; an info tells which."""
     env = gym.make(env_id, information=information).unwrapped
     collisions = clocks = 0
-    for episode in range(40):
+    for episode in range(100):
         _, info = env.reset(seed=0, options={"episode": episode})
         assert not info["collision"] and not info["is_success"]
         flight = end(env, lambda _: np.zeros(env.action_space.shape, np.float32))
