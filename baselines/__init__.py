@@ -1,9 +1,9 @@
 """Policies behind one protocol, SB3's `predict`.
 
 Scripted ones go by name; a new one is one file and one line in `POLICIES`. So do the learned ones that are shipped,
-`AGENTS`; others go by their folder, `make("runs/ppo/agent", params)`. A name is a rule and, if wanted, the track it
-flies on and options: `orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round the policy NAME.
-On track `range` a rule that reads positions flies on those of the range-only filter.
+`AGENTS`; others go by their folder, `make("runs/ppo/agent", params)`. A name is a rule and, if wanted, the level of
+information it flies on and options: `orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round
+the policy NAME. A policy flies in the world that it is made for, and in no world of another level.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, get_args
 
 from rss_gym.baselines import shipped
 from rss_gym.baselines.agent import Agent, load
-from rss_gym.baselines.blind import Blind, Climb, Constant
+from rss_gym.baselines.blind import Back, Blind, Climb, Constant, Stop, Velocity
 from rss_gym.baselines.cbf import Cbf
 from rss_gym.baselines.modified_orthogonal import ModifiedOrthogonal
 from rss_gym.baselines.mpc import Mpc
@@ -25,10 +25,9 @@ from rss_gym.baselines.orca import Orca
 from rss_gym.baselines.orthogonal import Orthogonal
 from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
 from rss_gym.baselines.policy_files import DOCUMENT
-from rss_gym.baselines.range_only import RangeOnly
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.baselines.shipped import AGENTS
-from rss_gym.params import Params, ParamsError, Track, suggestion
+from rss_gym.params import Information, Params, ParamsError, Tracking, suggestion
 
 __all__ = [
     "AGENTS",
@@ -37,6 +36,7 @@ __all__ = [
     "Policy",
     "able",
     "describe",
+    "informed",
     "is_code",
     "is_folder",
     "is_known",
@@ -55,13 +55,16 @@ POLICIES: dict[str, type[Scripted]] = {
     "cbf": Cbf,
     "mpc": Mpc,
     "constant": Constant,
+    "velocity": Velocity,
     "climb": Climb,
+    "stop": Stop,
+    "back": Back,
     "blind": Blind,
     "brake": Brake,
     "right-turn": RightTurn,
     "random": Random,
 }
-RANGE = "range"  # the track without positions
+LEVELS = get_args(Information)
 FILTER = "cbf"  # the rule that may stand before a `+`
 
 
@@ -73,7 +76,7 @@ class Parsed:
     ----------
     rule : str
         A name of `POLICIES` or `AGENTS`.
-    track : str or None
+    information : str or None
         What stands after `@`.
     options : dict
         Those given.
@@ -82,14 +85,14 @@ class Parsed:
     """
 
     rule: str
-    track: str | None
+    information: str | None
     options: dict[str, float]
     base: str | None
 
     @property
     def name(self) -> str:
         """The specification without this rule's options."""
-        return self.rule + (f"@{self.track}" if self.track else "") + (f"+{self.base}" if self.base else "")
+        return self.rule + (f"@{self.information}" if self.information else "") + (f"+{self.base}" if self.base else "")
 
 
 def is_known(spec: str) -> bool:
@@ -110,22 +113,24 @@ def is_code(spec: str) -> bool:
 
 
 def parse(spec: str) -> Parsed:
-    """Take apart `rule`, `rule@track`, `rule:option=value,option=value`, `cbf+NAME`, and what these combine to.
+    """Take apart `rule`, `rule@information`, `rule:option=value,option=value`, `cbf+NAME`, and what these combine to.
 
     Raises
     ------
     ParamsError
-        For an unknown name, track or option, an option given twice, or a value that is not a number.
+        For an unknown name, level of information or option, an option given twice, or a value that is not a number.
     """
     own, _, base = re.sub(r"(?<!=)\+(?=[A-Za-z./])", "\n", spec, count=1).partition("\n")  # not that of 1e+2
     head, _, text = own.partition(":")
-    rule, at, track = head.partition("@")
+    rule, at, information = head.partition("@")
     if rule not in POLICIES and rule not in AGENTS:
         raise ParamsError(f"policy {rule!r} is unknown{suggestion(rule, [*POLICIES, *AGENTS])}")
-    if at and track not in get_args(Track):
-        raise ParamsError(f"policy {spec!r}: track {track!r} is unknown{suggestion(track, get_args(Track))}")
+    if at and information not in LEVELS:
+        raise ParamsError(f"policy {spec!r}: information {information!r} is unknown{suggestion(information, LEVELS)}")
     if base and (rule != FILTER or at):
-        raise ParamsError(f"policy {spec!r}: only {FILTER!r} goes round another policy, and flies on the track of that")
+        raise ParamsError(
+            f"policy {spec!r}: only {FILTER!r} goes round another policy, and flies on the information of that"
+        )
     known, options = list(_options(POLICIES[rule])) if rule in POLICIES else [], dict[str, float]()
     for item in filter(None, text.split(",")):
         key, equals, value = item.partition("=")
@@ -141,7 +146,7 @@ def parse(spec: str) -> Parsed:
             raise ParamsError(f"option {key!r} of policy {rule!r} must be a number, got {value!r}") from None
         if not equals:
             raise ParamsError(f"option {key!r} of policy {rule!r} has no value; write {key}=number")
-    return Parsed(rule, track or None, options, base or None)
+    return Parsed(rule, information or None, options, base or None)
 
 
 def make(spec: str, params: Params | None = None) -> Scripted | Agent:
@@ -150,50 +155,56 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
     Parameters
     ----------
     spec : str
-        Names of `POLICIES` with tracks and options, all numbers in SI; a name of `AGENTS`; or a folder with
-        `policy.json`.
+        Names of `POLICIES` with levels of information and options, all numbers in SI; a name of `AGENTS`; or a folder
+        with `policy.json`.
     params : Params, optional
-        The world; the policy's own `world` is this with the interface that the policy declares. Without `@track` it
-        flies on the world's track if it can.
+        The world that the policy will fly in, the default one if not given. The policy's own `world` is this with
+        velocities for actions and, if the specification names one after `@`, with that level of information.
 
     Raises
     ------
     ParamsError
-        For what `parse` or `rss_gym.baselines.agent.load` refuses, an option out of range, a track or a plane that the
-        policy cannot fly in, or a contradiction with the world.
+        For what `parse` or `rss_gym.baselines.agent.load` refuses, an option out of range, a level of information or a
+        plane that the policy cannot fly on or in, or a contradiction with the world.
     """
+    world = Params.of(params, action="velocity")
     if is_folder(spec):
-        return load(spec, params)
+        return load(spec, None if params is None else world)
     if spec.endswith(PICKLED):
         raise ParamsError(
             f"policy {spec!r} is a file whose reading runs code from it: make a policy folder of it with "
             "`rss-gym export` and name that"
         )
     parsed = parse(spec)
+    if parsed.information:
+        world = informed(world, parsed.information)
     if parsed.rule in AGENTS:
-        return shipped.make(parsed.rule, params, parsed.track)
-    kind, world = POLICIES[parsed.rule], Params.of(params)
+        return load(AGENTS[parsed.rule], world, f"policy {spec!r}, trained in {shipped.home(parsed.rule)}")
+    kind = POLICIES[parsed.rule]
     base = make(parsed.base, world) if parsed.base else None
-    track = parsed.track or (base.world if base else world).interface.track
-    # The range-only filter hands a rule positions, but not the actions of another policy.
-    tracks = tuple(name for name in kind.tracks if not (base and name == RANGE))
-    if track not in tracks:
-        if parsed.track or base:
-            raise ParamsError(
-                f"policy {spec!r}: {parsed.rule!r} cannot fly on track {track!r}, where it is not told what it needs; "
-                f"it can on {', '.join(tracks)}"
-            )
-        track = tracks[-1]
+    if base:
+        world = base.world
+    level = world.interface.information
+    if level not in kind.information:
+        raise ParamsError(
+            f"policy {spec!r} cannot fly on information {level!r}: {parsed.rule!r} is for "
+            f"{', '.join(map(repr, kind.information))}"
+        )
     if kind.in_space and world.encounter.planar:
         raise ParamsError(f"policy {spec!r}: {parsed.rule!r} flies in space only, got a world with planar = True")
     try:
         options: dict[str, Any] = parsed.options | ({"base": base} if base else {})
-        policy: Scripted = kind(world=world, **options)
-        if track == RANGE and policy.reads_positions:
-            policy = RangeOnly(world=world, rule=policy)
-        return dataclasses.replace(policy, world=Params.of(world, track=track, **policy.interface()))
+        return kind(world=world, **options)
     except ParamsError as error:
         raise ParamsError(f"policy {spec!r}: {error}") from error
+
+
+def informed(world: Params, information: str) -> Params:
+    """The world with another level of information: of the trackers, `bearings` is for `ranges` and no other level."""
+    keywords: dict[str, Any] = {"information": information}
+    if "ranges" == world.interface.information != information:
+        keywords["tracker"] = Tracking().tracker
+    return Params.of(world, **keywords)
 
 
 def _options(kind: type[Scripted]) -> dict[str, Any]:
@@ -202,9 +213,9 @@ def _options(kind: type[Scripted]) -> dict[str, Any]:
 
 
 def able(world: Params) -> list[str]:
-    """Names of all that can fly in this world, on its track, at their defaults."""
-    track, planar = world.interface.track, world.encounter.planar
-    rules = [name for name, kind in POLICIES.items() if track in kind.tracks and not (kind.in_space and planar)]
+    """Names of all that can fly in this world, on its information, at their defaults."""
+    level, planar = world.interface.information, world.encounter.planar
+    rules = [name for name, kind in POLICIES.items() if level in kind.information and not (kind.in_space and planar)]
     return rules + [name for name in AGENTS if shipped.fits(name, world)]
 
 

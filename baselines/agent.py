@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.baselines.features import FEATURES, append
-from rss_gym.baselines.features.masks import kept
+from rss_gym.baselines.masks import kept
 from rss_gym.baselines.network import ACTIVATIONS, feed_forward, long_short_term
 from rss_gym.baselines.policy_files import (
     DOCUMENT,
@@ -36,7 +35,7 @@ class Agent:
     tensors : dict of float64 arrays
         As `network.shapes` has them for this world.
     world : Params
-        The world, with the interface the policy was trained for.
+        The world.
     document : dict
         `policy.json`, for what else it records.
     digest : str
@@ -47,17 +46,12 @@ class Agent:
         self, network: Network, tensors: dict[str, np.ndarray], world: Params, document: dict[str, Any], digest: str
     ) -> None:
         self.network, self.world, self.document, self.digest = network, world, document, digest
-        self._tensors, self._features = tensors, FEATURES[network.features](world)
-        self._kept = kept(network.zeroed, world)
+        self._tensors, self._kept = tensors, kept(network.zeroed, world)
         count = len(network.layers) + 1
         self._weights = tuple(tensors[f"{index}.weight"] for index in range(count))
         self._biases = tuple(tensors[f"{index}.bias"] for index in range(count))
         kinds = [ACTIVATIONS[network.activation]] * len(network.layers)
         self._activations = np.array([*kinds, ACTIVATIONS["tanh" if network.squash else "identity"]])
-
-    def interface(self) -> dict[str, Any]:
-        """Parameters of the world that the policy needs: track, action, reach."""
-        return dict(self.document["interface"])
 
     def predict(
         self, observation_: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
@@ -76,30 +70,25 @@ class Agent:
         Returns
         -------
         actions, state
-            float32 (axes,) or (n, axes), and the memory: older observations, what the features remember, the recurrent
-            layer's state.
+            float32 (axes,) or (n, axes), and the memory: older observations and the recurrent layer's state.
         """
         values = np.asarray(observation_, dtype=np.float64)
         rows = np.atleast_2d(values) * self._kept
         older = rows.shape[1] * (self.network.stack - 1)
-        known = older + self._features.columns
-        columns = known + 2 * self.network.lstm
+        columns = older + 2 * self.network.lstm
         memory = np.zeros((len(rows), columns)) if state is None else np.array(state, dtype=np.float64)
         if episode_start is not None:
             memory[np.broadcast_to(np.asarray(episode_start, bool), len(rows))] = 0.0
         inputs = np.concatenate([memory[:, :older], rows], axis=1)
         memory[:, :older] = inputs[:, rows.shape[1] :]
-        told = np.ascontiguousarray(memory[:, older:known])
-        inputs = append(self._features, inputs, told)
-        memory[:, older:known] = told
         if self.network.clip:
             inputs = (inputs - self._tensors["mean"]) / self._tensors["std"]
             inputs = np.clip(inputs, -self.network.clip, self.network.clip)
         if self.network.lstm:
-            recurrent, hidden = np.ascontiguousarray(memory[:, known:]), np.empty((len(rows), self.network.lstm))
+            recurrent, hidden = np.ascontiguousarray(memory[:, older:]), np.empty((len(rows), self.network.lstm))
             w_input, w_hidden = self._tensors["lstm.input"], self._tensors["lstm.hidden"]
             long_short_term(w_input, w_hidden, self._tensors["lstm.bias"], inputs, recurrent, hidden)
-            memory[:, known:], inputs = recurrent, hidden
+            memory[:, older:], inputs = recurrent, hidden
         outputs = np.empty((len(rows), len(self._biases[-1])))
         feed_forward(self._weights, self._biases, self._activations, np.ascontiguousarray(inputs), outputs)
         actions = np.clip(outputs, -1.0, 1.0).astype(np.float32)
@@ -114,7 +103,7 @@ def load(folder: str | os.PathLike[str], params: Params | None = None, called: s
     folder : path
         With `policy.json` and `policy.safetensors`.
     params : Params, optional
-        The world; the agent's own `world` is this with the interface of the agent.
+        The world that it will fly in; not given, the default one on the agent's information.
     called : str, optional
         What an error calls the policy; default: its folder.
 
@@ -132,8 +121,8 @@ def load(folder: str | os.PathLike[str], params: Params | None = None, called: s
         known = network.inputs(world)
         if document["observation"] != known:
             raise ParamsError(
-                f"{DOCUMENT}: it was made for {len(document['observation'])} fields and features, and this world has "
-                f"{len(known)} or others; planar, intruders and track must be as in training"
+                f"{DOCUMENT}: it was made for {len(document['observation'])} fields, and this world has {len(known)} or "
+                "others; planar and intruders must be as in training"
             )
         tensors = tensors_of(blob, network.shapes(world))
     except ParamsError as error:
@@ -142,8 +131,12 @@ def load(folder: str | os.PathLike[str], params: Params | None = None, called: s
 
 
 def _world(document: dict[str, Any], params: Params | None) -> Params:
-    same_names(f"{DOCUMENT}, interface", document["interface"], ["track", "action", "reach_m"])
-    world = Params.of(params, **document["interface"])
-    if world.interface.action == "discrete":
-        raise ParamsError(f"{DOCUMENT}, interface: action 'discrete' is not supported; use displacement or velocity")
-    return world
+    interface = document["interface"]
+    same_names(f"{DOCUMENT}, interface", interface, ["information"])
+    made_for = Params.of(action="velocity", **interface)  # checks it
+    if params is None:
+        return made_for
+    own, level = made_for.interface.information, params.interface.information
+    if own != level:
+        raise ParamsError(f"it cannot fly on information {level!r}: it was trained on {own!r} and flies there only")
+    return Params.of(params, action="velocity")

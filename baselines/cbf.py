@@ -11,8 +11,9 @@ import numpy as np
 from rss_gym.avoidance.approach import conflict
 from rss_gym.avoidance.collision_cone import half_plane
 from rss_gym.avoidance.half_planes import nearest
-from rss_gym.baselines.located import Others, vectors
+from rss_gym.baselines.intruders import Intruders
 from rss_gym.baselines.velocity_rule import VelocityRule
+from rss_gym.baselines.way_points import limited
 from rss_gym.core import decode
 from rss_gym.jit import kernel
 from rss_gym.params import Params, ParamsError, number
@@ -51,7 +52,7 @@ class Cbf(VelocityRule):
     response_s : float
         Time in which the autopilot takes up a commanded velocity.
     base : object, optional
-        The policy that is filtered, with `predict` on the same observations: on the same track, any kind of action.
+        The policy that is filtered, with `predict` on the same observations; any kind of action.
     base_world : Params, optional
         The world of its actions, if it has no `world` of its own.
 
@@ -93,26 +94,20 @@ class Cbf(VelocityRule):
     def _filtered(self, seen: dict[str, np.ndarray], memory: np.ndarray, actions: np.ndarray) -> np.ndarray:
         """Actions of `base` as velocities of the way point, filtered."""
         world = self.base_world or self.base.world
-        limits, interface = world.aircraft, world.interface
-        if actions.ndim < (1 if interface.action == "discrete" else 2):
+        limits = world.aircraft
+        if actions.ndim < (1 if world.interface.action == "discrete" else 2):
             actions = actions[None]
         wanted = decode(actions, world, len(memory))
-        if interface.action == "velocity":
-            wanted *= [limits.speed_max_mps, limits.speed_max_mps, limits.vertical_speed_max_mps]
-        else:
-            wanted = (wanted * interface.reach_m - vectors(seen, "way_point", "m")) / world.clock.decision_s
+        wanted *= [limits.speed_max_mps, limits.speed_max_mps, limits.vertical_speed_max_mps]
         wanted[:, 0] += seen["cruise_mps"]
-        speed, vertical = limits.speed_max_mps, limits.vertical_speed_max_mps
-        wanted[:, 2] = np.clip(wanted[:, 2], -vertical, vertical)
-        wanted *= (speed / np.maximum(np.linalg.norm(wanted, axis=1), speed))[:, None]
-        return self.steered(seen, memory, wanted)
+        return self.steered(seen, memory, limited(wanted, world))
 
     def steer(
         self,
         flown: np.ndarray,
         cruise_mps: np.ndarray,
         wanted: np.ndarray,
-        others: Others,
+        others: Intruders,
         radius_m: np.ndarray,
         memory: np.ndarray,
     ) -> None:

@@ -1,16 +1,14 @@
-"""The modified orthogonal rule of Sec. IX-A as a policy, on track `range`."""
+"""The modified orthogonal rule of Sec. IX-A as a policy, on ranges and velocities."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from rss_gym.avoidance.modified_orthogonal import bearing_cosine, velocity
-from rss_gym.baselines.located import vectors
-from rss_gym.baselines.policy import Scripted
-from rss_gym.baselines.reflexes import homing
+from rss_gym.baselines.policy import Scripted, vectors
+from rss_gym.baselines.way_points import commanded, path_following
 from rss_gym.jit import kernel
 from rss_gym.params import number
 
@@ -58,15 +56,11 @@ class ModifiedOrthogonal(Scripted):
 
     radius_m: float = number(120.0, 1.0, 1000.0)
 
-    tracks = ("range",)
+    information = ("ranges",)
     columns = 11
 
-    def interface(self) -> dict[str, Any]:
-        """Ranges only, velocities commanded."""
-        return {"action": "velocity"}
-
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        """The rule's velocity relative to the planned one, or homing."""
+        """The rule's velocity, or path following."""
         out = np.zeros((len(memory), 3))
         _steer(
             vectors(seen, "velocity", "mps"),
@@ -80,8 +74,6 @@ class ModifiedOrthogonal(Scripted):
             out,
         )
         evading = out[:, 2] > 0.0
-        command = homing(seen)
-        command[evading] = out[evading]
-        command[evading, 0] -= seen["cruise_mps"][evading]
-        command[evading, 2] = 0.0
-        return command / self.world.aircraft.speed_max_mps
+        velocity = path_following(seen, self.world)
+        velocity[evading, :2] = out[evading, :2]
+        return commanded(velocity, seen, self.world)

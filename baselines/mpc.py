@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from rss_gym.avoidance.predictive import cost
-from rss_gym.baselines.located import check_radius, locate, vectors
-from rss_gym.baselines.policy import Scripted
+from rss_gym.baselines.intruders import check_radius, intruders
+from rss_gym.baselines.policy import Scripted, vectors
 from rss_gym.baselines.velocity_rule import HEIGHT_M
+from rss_gym.baselines.way_points import towards
 from rss_gym.jit import kernel
 from rss_gym.params import number
 
 STEP_S = 0.5
-RINGS = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the reach
+RINGS = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)  # of the farthest displacement
 DIRECTIONS = 12
 
 
-def candidates(reach_m: float, band_m: float) -> np.ndarray:
+def candidates(farthest_m: float, band_m: float) -> np.ndarray:
     """Displacements (m, 3): none, rings in the plane, and in space (`band_m` > 0) above and below."""
     angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(DIRECTIONS)], axis=1)
     # Mirror images are equal to the last bit.
     ring = np.round(ring, 12)
-    table = [np.zeros((1, 3)), *(reach_m * share * ring for share in RINGS)]
+    table = [np.zeros((1, 3)), *(farthest_m * share * ring for share in RINGS)]
     if band_m > 0.0:
         table.append(band_m * np.array([[0.0, 0.0, up] for up in (1.0, -1.0, 0.5, -0.5)]))
     return np.concatenate(table)
@@ -77,7 +77,7 @@ class Mpc(Scripted):
         The horizon.
     sigmas : float
         The radius grows by this many standard deviations of the other's position.
-    reach_m : float
+    farthest_m : float
         Largest displacement among the candidates.
     drift_mps : float
         Growth of that standard deviation: the error of an announced velocity.
@@ -90,25 +90,19 @@ class Mpc(Scripted):
     radius_m: float = number(30.0, 1.0, 1000.0)
     lookahead_s: float = number(10.0, 0.5, 120.0)
     sigmas: float = number(1.0, 0.0, 10.0)
-    reach_m: float = number(60.0, 1.0, 1000.0)
+    farthest_m: float = number(60.0, 1.0, 1000.0)
     drift_mps: float = number(0.2, 0.0, 10.0)
     effort_s: float = number(1.0, 0.0, 100.0)
     penalty_m: float = number(500.0, 0.0, 1e6)
-
-    reads_positions = True
 
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
         super().__post_init__()
         check_radius(self.radius_m, self.world)
 
-    def interface(self) -> dict[str, Any]:
-        """Way points, as far as the candidates reach."""
-        return {"action": "displacement", "reach_m": self.reach_m}
-
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        """The cheapest candidate."""
-        world, craft, others = self.world, self.world.aircraft, locate(seen, self.world)
+        """Towards the cheapest candidate."""
+        world, craft, others = self.world, self.world.aircraft, intruders(seen)
         out = np.zeros((len(memory), 3))
         limits = (
             craft.speed_max_mps,
@@ -118,11 +112,11 @@ class Mpc(Scripted):
             craft.velocity_gain_ps,
         )
         _steer(
-            candidates(self.reach_m, 0.0 if world.encounter.planar else world.encounter.altitude_band_m),
-            vectors(seen, "track_error", "m"),
+            candidates(self.farthest_m, 0.0 if world.encounter.planar else world.encounter.altitude_band_m),
+            vectors(seen, "offset", "m"),
             vectors(seen, "velocity", "mps"),
             vectors(seen, "way_point", "m"),
-            seen["cruise_mps"],
+            np.ascontiguousarray(seen["cruise_mps"]),
             others.known,
             others.position_m,
             others.velocity_mps,
@@ -138,4 +132,4 @@ class Mpc(Scripted):
             self.penalty_m,
             out,
         )
-        return out / self.reach_m
+        return towards(out, seen, self.world)

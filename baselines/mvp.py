@@ -9,7 +9,7 @@ import numpy as np
 
 from rss_gym.avoidance.approach import conflict, side_of
 from rss_gym.avoidance.mvp import velocity_change
-from rss_gym.baselines.located import Others
+from rss_gym.baselines.intruders import Intruders
 from rss_gym.baselines.velocity_rule import VelocityRule
 from rss_gym.jit import kernel
 from rss_gym.params import MAX_INTRUDERS, number
@@ -69,7 +69,7 @@ class Mvp(VelocityRule):
         flown: np.ndarray,
         cruise_mps: np.ndarray,
         wanted: np.ndarray,
-        others: Others,
+        others: Intruders,
         radius_m: np.ndarray,
         memory: np.ndarray,
     ) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rss_gym.avoidance.half_planes import nearest
 from rss_gym.avoidance.orca import half_plane
-from rss_gym.baselines.located import Others
+from rss_gym.baselines.intruders import Intruders
 from rss_gym.baselines.velocity_rule import VelocityRule
 from rss_gym.jit import kernel
 from rss_gym.params import number
@@ -51,7 +51,7 @@ class Orca(VelocityRule):
         flown: np.ndarray,
         cruise_mps: np.ndarray,
         wanted: np.ndarray,
-        others: Others,
+        others: Intruders,
         radius_m: np.ndarray,
         memory: np.ndarray,
     ) -> None:

@@ -1,74 +1,104 @@
-"""The paper's orthogonal rule as a policy, flown on what the agent is told."""
+"""The paper's orthogonal rule as a policy, flown on the tracks."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from rss_gym.avoidance.orthogonal import displacement
-from rss_gym.baselines.located import check_radius, vectors
-from rss_gym.baselines.policy import Scripted
+from rss_gym.avoidance.orthogonal import displacement, side_of
+from rss_gym.baselines.intruders import check_radius, intruders
+from rss_gym.baselines.policy import Scripted, vectors
+from rss_gym.baselines.way_points import towards
 from rss_gym.jit import kernel
-from rss_gym.params import number
+from rss_gym.params import MAX_INTRUDERS, number
 
-STILL_MPS = 0.5  # an intruder slower than this counts as hovering
-# Columns of the memory: the intruder obeyed + 1, whether it was moving, the side kept in the axes of its flight.
-OBEYED, MOVING, ALONG, RIGHT, UP, HEADING_ALONG, HEADING_RIGHT = range(7)
+STILL_MPS = 0.5  # an intruder slower than this counts as hovering: the direction of its track is mostly error
+SWEEPS = 4  # over all intruders, in search of a way point outside every zone
+# Columns of the memory of an intruder: whether a side is kept, whether the intruder was moving, its heading in the axes
+# of the leg, and the side in the axes of its flight.
+KEPT, MOVING, HEADING_ALONG, HEADING_RIGHT, ALONG, RIGHT, UP, WIDTH = range(8)
 COS_TURNED = 0.8660254037844386  # 30 degrees: after such a turn, of either, the side is chosen anew
 
 
 @kernel
-def _steer(error_m, cruise_mps, told, position_m, velocity_mps, age_s, radius_m, lookahead_s, memory, out):
-    """Rows of (45), centred on the other's predicted position; the nearest predicted intruder is obeyed."""
+def _steer(planned, cruise_mps, known, position_m, velocity_mps, radius_m, lookahead_s, level, memory, out):
+    """Rows of (45): `out` (n, 3) becomes the displacement from the predefined trajectory.
+
+    `planned` (n, 3) is the predefined trajectory now, relative to the own position; `memory` (n, K, WIDTH).
+    """
+    intruders = known.shape[1]
+    # Of each intruder obeyed: from it to the predefined way point at n + 1, its velocity, side, and radius in the plane.
+    r, v, side, reach_m = (
+        np.zeros((intruders, 3)),
+        np.zeros((intruders, 3)),
+        np.zeros((intruders, 3)),
+        np.zeros(intruders),
+    )
+    order, far = np.zeros(intruders, np.int64), np.zeros(intruders)
     for row in range(len(out)):
-        nearest, near, nx, ny, nz = -1, np.inf, 0.0, 0.0, 0.0
-        warned = False
-        for k in range(told.shape[1]):
-            if not told[row, k]:
+        count = 0
+        for k in range(intruders):
+            m, u = memory[row, k], position_m[row, k]
+            if not known[row, k]:
+                m[:] = 0.0
                 continue
-            warned = True
-            ahead_s = age_s[row, k] + lookahead_s
-            # From u_i(n+1) to u_j^d(n+1), in the axes of the leg: `position` is relative to the own solution.
-            x = cruise_mps[row] * lookahead_s - error_m[row, 0] - position_m[row, k, 0]
-            y = -error_m[row, 1] - position_m[row, k, 1]
-            z = -error_m[row, 2] - position_m[row, k, 2]
-            x, y, z = (
-                x - velocity_mps[row, k, 0] * ahead_s,
-                y - velocity_mps[row, k, 1] * ahead_s,
-                z - velocity_mps[row, k, 2] * ahead_s,
-            )
-            square = x * x + y * y + z * z
-            if square < near:
-                nearest, near, nx, ny, nz = k, square, x, y, z
-        if not warned:
-            memory[row, :] = 0.0
-        if nearest < 0:
-            continue
-        vx, vy, vz = velocity_mps[row, nearest, 0], velocity_mps[row, nearest, 1], velocity_mps[row, nearest, 2]
-        # Below this the announced direction is mostly error and gusts.
-        moving = vx * vx + vy * vy + vz * vz >= STILL_MPS * STILL_MPS
-        if not moving:
-            vx = vy = vz = 0.0
-        # The axes of the other's flight, to its right: the own leg may turn while a side is kept.
-        level = np.sqrt(vx * vx + vy * vy)
-        ax, ay = (vx / level, vy / level) if level > 0.0 else (1.0, 0.0)
-        m = memory[row]
-        turned = ax * m[HEADING_ALONG] + ay * m[HEADING_RIGHT] < COS_TURNED
-        if m[OBEYED] != nearest + 1.0 or m[MOVING] != moving or turned:
-            m[:] = 0.0
-            m[OBEYED], m[MOVING], m[HEADING_ALONG], m[HEADING_RIGHT] = nearest + 1.0, moving, ax, ay
-        side_x, side_y = m[ALONG] * ax - m[RIGHT] * ay, m[ALONG] * ay + m[RIGHT] * ax
-        out[row, 0], out[row, 1], out[row, 2], side_x, side_y, m[UP] = displacement(
-            nx, ny, nz, vx, vy, vz, radius_m, side_x, side_y, m[UP]
-        )
-        m[ALONG], m[RIGHT] = side_x * ax + side_y * ay, side_y * ax - side_x * ay
+            for axis in range(3):
+                v[k, axis] = velocity_mps[row, k, axis]
+                r[k, axis] = planned[row, axis] - u[axis] - v[k, axis] * lookahead_s
+            r[k, 0] += cruise_mps[row] * lookahead_s
+            reach_m[k] = radius_m
+            ux, uy, uz = u[0], u[1], u[2]
+            if level:  # the zone's section at the height of the way point
+                reach_m[k] = np.sqrt(max(radius_m * radius_m - r[k, 2] * r[k, 2], 0.0))
+                r[k, 2] = v[k, 2] = uz = 0.0
+            moving = v[k, 0] * v[k, 0] + v[k, 1] * v[k, 1] + v[k, 2] * v[k, 2] >= STILL_MPS * STILL_MPS
+            if not moving:
+                v[k, :] = 0.0
+            # The axes of the other's flight, to its right: the own leg may turn while a side is kept.
+            speed = np.sqrt(v[k, 0] * v[k, 0] + v[k, 1] * v[k, 1])
+            ax, ay = (v[k, 0] / speed, v[k, 1] / speed) if speed > 0.0 else (1.0, 0.0)
+            turned = ax * m[HEADING_ALONG] + ay * m[HEADING_RIGHT] < COS_TURNED
+            if m[KEPT] == 0.0 or m[MOVING] != moving or turned:
+                # On which side the aircraft itself is.
+                x, y, z = side_of(-ux, -uy, -uz, v[k, 0], v[k, 1], v[k, 2])
+                m[KEPT], m[MOVING], m[HEADING_ALONG], m[HEADING_RIGHT] = 0.0, moving, ax, ay
+                m[ALONG], m[RIGHT], m[UP] = x * ax + y * ay, y * ax - x * ay, z
+            side[k, 0], side[k, 1] = m[ALONG] * ax - m[RIGHT] * ay, m[ALONG] * ay + m[RIGHT] * ax
+            side[k, 2] = m[UP]
+            square = ux * ux + uy * uy + uz * uz
+            at = count
+            while at > 0 and far[at - 1] > square:
+                order[at], far[at] = order[at - 1], far[at - 1]
+                at -= 1
+            order[at], far[at] = k, square
+            count += 1
+        for _ in range(SWEEPS if count > 1 else count):
+            moved = False
+            for n in range(count):
+                k = order[n]
+                x, y, z = r[k, 0] + out[row, 0], r[k, 1] + out[row, 1], r[k, 2] + out[row, 2]
+                if memory[row, k, KEPT] == 0.0 and x * x + y * y + z * z >= reach_m[k] * reach_m[k]:
+                    continue  # (43)
+                x, y, z = displacement(
+                    x, y, z, v[k, 0], v[k, 1], v[k, 2], reach_m[k], side[k, 0], side[k, 1], side[k, 2]
+                )
+                if x != 0.0 or y != 0.0 or z != 0.0:
+                    memory[row, k, KEPT] = 1.0  # until the warning closes
+                    out[row, 0] += x
+                    out[row, 1] += y
+                    out[row, 2] += z
+                    moved = True
+            if not moved:
+                break
 
 
 @dataclass(frozen=True, kw_only=True)
 class Orthogonal(Scripted):
-    """The orthogonal rule (43)-(45) on the exchanged positions, keeping the side it chose first.
+    """The orthogonal rule (43)-(45) on the tracks, keeping from each intruder the side on which it was.
+
+    All intruders are obeyed, from the nearest on, each by the way point that those before it have displaced; the sweep
+    is repeated until the way point is outside every zone, or four times.
 
     Parameters
     ----------
@@ -76,17 +106,15 @@ class Orthogonal(Scripted):
         S of (44)-(45); at most the zone radius, within which messages arrive.
     lookahead_s : float
         Time from n to n + 1: the zone is centred on where the other will be.
+    level : float
+        In space, 1 displaces the way point in the horizontal plane only, 0 at right angles to the other's velocity.
     """
 
-    radius_m: float = number(60.0, 1.0, 1000.0)
+    radius_m: float = number(40.0, 1.0, 1000.0)
     lookahead_s: float = number(0.5, 0.0, 60.0)
+    level: float = number(1.0, 0.0, 1.0)
 
-    reads_positions = True
-    columns = 7
-
-    def interface(self) -> dict[str, Any]:
-        """Messages, and a reach to the far edge of the zone."""
-        return {"action": "displacement", "reach_m": 2.0 * self.radius_m}
+    columns = WIDTH * MAX_INTRUDERS
 
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
@@ -94,18 +122,19 @@ class Orthogonal(Scripted):
         check_radius(self.radius_m, self.world)
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        """The rule's displacement over the reach."""
-        out = np.zeros((len(memory), 3))
+        """Towards the rule's way point."""
+        others, out = intruders(seen), np.zeros((len(memory), 3))
+        level = self.level > 0.0 or self.world.encounter.planar
         _steer(
-            vectors(seen, "track_error", "m"),
-            seen["cruise_mps"],
-            (seen["warning"] > 0.5) & (seen["message_valid"] > 0.5),
-            vectors(seen, "message_position", "m"),
-            vectors(seen, "message_velocity", "mps"),
-            seen["message_age_s"],
+            -vectors(seen, "offset", "m"),
+            np.ascontiguousarray(seen["cruise_mps"]),
+            others.known,
+            others.position_m,
+            others.velocity_mps,
             self.radius_m,
             self.lookahead_s,
-            memory,
+            level,
+            memory.reshape(len(memory), -1, WIDTH),
             out,
         )
-        return out / self.world.interface.reach_m
+        return towards(out, seen, self.world)

@@ -1,11 +1,12 @@
 """The protocol of a policy, the base of the scripted ones, and the two that do not look.
 
-Scripted policies are handed observations and nothing else; what they remember travels in `state`.
+Scripted policies are handed observations and nothing else; what they remember travels in `state`. All command a change
+of the way point's velocity.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol, get_args
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from rss_gym import observation
 from rss_gym.jit import kernel
-from rss_gym.params import Group, Params, Track
+from rss_gym.params import Group, Information, Params
 from rss_gym.physics.random import uniform
 
 
@@ -35,20 +36,15 @@ class Policy(Protocol):
 class Scripted(Group):
     """Base of the scripted policies: options as fields, the world they fly in, memory as one array of rows.
 
-    A subclass writes `act`; `memory` columns are zero at the start of an episode. `tracks` are those it can fly on;
-    a rule that `reads_positions` flies on track `range` inside `RangeOnly`, one `in_space` in no planar world.
+    A subclass writes `act`; `memory` columns are zero at the start of an episode. `information` are the levels that it
+    can fly on; one `in_space` flies in no planar world.
     """
 
     world: Params = field(default_factory=Params)
 
     columns = 0
-    tracks: ClassVar[tuple[str, ...]] = get_args(Track)
-    reads_positions: ClassVar[bool] = False
+    information: ClassVar[tuple[str, ...]] = get_args(Information)
     in_space: ClassVar[bool] = False
-
-    def interface(self) -> dict[str, Any]:
-        """Parameters of the world that the policy needs: track, action, reach."""
-        return {}
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Actions (n, 3) along, right, up; `seen` in SI units, own (n,) and per intruder (n, K); memory in place."""
@@ -56,7 +52,7 @@ class Scripted(Group):
 
     def predict(
         self, observation_: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
-    ) -> tuple[np.ndarray, np.ndarray]:
+    ) -> tuple[np.ndarray, Any]:
         """SB3's `predict`.
 
         Parameters
@@ -89,6 +85,13 @@ class Scripted(Group):
             actions = actions[:, :2]
         actions = np.clip(actions, -1.0, 1.0).astype(np.float32)
         return (actions if values.ndim > 1 else actions[0]), memory
+
+
+def vectors(seen: Mapping[str, np.ndarray], stem: str, unit: str) -> np.ndarray:
+    """The components along, right and up of a named vector as one array, shape (..., 3); a missing `up` is zero."""
+    first = seen[f"{stem}_along_{unit}"]
+    up = seen.get(f"{stem}_up_{unit}", np.zeros_like(first))
+    return np.stack([first, seen[f"{stem}_right_{unit}"], up], axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True)

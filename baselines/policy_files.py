@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from rss_gym import observation
-from rss_gym.baselines.features import FEATURES, names
-from rss_gym.baselines.features.masks import MASKS
+from rss_gym.baselines.masks import MASKS
 from rss_gym.baselines.network import ACTIVATIONS
 from rss_gym.params import Params, ParamsError, suggestion
 
 DOCUMENT, WEIGHTS = "policy.json", "policy.safetensors"
-FORMAT = 1
+FORMAT = 2
 DOCUMENT_LIMIT, HEADER_LIMIT, WEIGHTS_LIMIT = 1 << 20, 1 << 16, 1 << 26  # bytes
 LAYERS_LIMIT, UNITS_LIMIT, STACK_LIMIT = 8, 2048, 64
 
@@ -37,10 +36,8 @@ class Network:
         Of the hidden layers, one of `ACTIVATIONS`.
     stack : int
         Observations of so many last decisions, oldest first, are the input; zero before the episode began.
-    features : str
-        What is computed from the newest observation and stands behind it, one of `rss_gym.baselines.features.FEATURES`.
     zeroed : str
-        What the policy is flown without, one of `rss_gym.baselines.features.masks.MASKS`.
+        What the policy is flown without, one of `rss_gym.baselines.masks.MASKS`.
     lstm : int
         Units of a recurrent layer before the hidden ones; 0 without.
     squash : bool
@@ -52,19 +49,18 @@ class Network:
     layers: tuple[int, ...]
     activation: str = "tanh"
     stack: int = 1
-    features: str = "none"
     zeroed: str = "nothing"
     lstm: int = 0
     squash: bool = False
     clip: float = 0.0
 
     def inputs(self, world: Params) -> list[str]:
-        """Names of the fields of an observation of this world, and of the features."""
-        return [field.name for field in observation.fields(world)] + names(self.features, world)
+        """Names of the fields of an observation of this world."""
+        return [field.name for field in observation.fields(world)]
 
     def shapes(self, world: Params) -> dict[str, tuple[int, ...]]:
         """The tensors' shapes in this world."""
-        width = len(self.inputs(world)) + (self.stack - 1) * len(observation.fields(world))
+        width = self.stack * len(self.inputs(world))
         axes = 2 if world.encounter.planar else 3
         found: dict[str, tuple[int, ...]] = {}
         if self.clip:
@@ -134,7 +130,7 @@ def network_of(table: dict[str, Any]) -> Network:
     for name, value, low, high in bounds:
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise ParamsError(f"{where}: {name} must be a whole number in [{low}, {high}], got {value!r}"[:300])
-    for name, known in (("activation", ACTIVATIONS), ("features", FEATURES), ("zeroed", MASKS)):
+    for name, known in (("activation", ACTIVATIONS), ("zeroed", MASKS)):
         value = table[name]
         if not isinstance(value, str) or value not in known:
             raise ParamsError(f"{where}: {name} {value!r} is unknown{suggestion(str(value), known)}"[:300])

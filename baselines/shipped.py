@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rss_gym.baselines.agent import Agent, load
+from rss_gym.baselines.agent import load
 from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.params import Params, ParamsError
 
@@ -24,38 +24,13 @@ def found(folder: Path = FOLDER) -> dict[str, Path]:
 AGENTS = found()
 
 
-def make(name: str, params: Params | None = None, track: str | None = None) -> Agent:
-    """The shipped agent of that name.
-
-    Parameters
-    ----------
-    name : str
-        One of `AGENTS`.
-    params : Params, optional
-        As `rss_gym.baselines.agent.load` takes it.
-    track : str, optional
-        Must be the agent's own.
-
-    Raises
-    ------
-    ParamsError
-        For a world that it was not made for, or another track.
-    """
-    agent = load(AGENTS[name], params, f"policy {name!r}, trained in {home(name)}")
-    own = agent.world.interface.track
-    if track not in (None, own):
-        raise ParamsError(
-            f"policy {name!r} cannot fly on track {track!r}: it was trained on {own!r} and flies there only"
-        )
-    return agent
-
-
 def fits(name: str, world: Params) -> bool:
-    """Whether the agent can fly in this world, on its track."""
+    """Whether the agent was made for this world: its information, fields and axes."""
     try:
-        return make(name, world).world.interface.track == world.interface.track
+        load(AGENTS[name], world)
     except ParamsError:
         return False
+    return True
 
 
 def home(name: str) -> str:

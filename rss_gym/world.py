@@ -142,7 +142,7 @@ def observe(world, seen, observations):
             if config.information == ORACLE:
                 reveal_track(own, others[k], tracks[k])
             else:
-                advance(config, own, others[k], world.memories[i, k], tracks[k], world.model[0])
+                advance(config.tracker, own, others[k], world.memories[i, k], tracks[k], world.model[0])
         write(own, others, tracks, config.planar, config.information != RANGES, seen.raw)
         transform(seen.raw, seen.table, observations[i])
 

@@ -102,7 +102,7 @@ def load(folder: str | os.PathLike[str], world: World, called: str | None = None
                 f"{interface['actions']!r}, and this road has {len(inputs(world))} and {list(world.actions)}; scene, "
                 "vehicles and track must be as in training"
             )
-        if network.lstm or network.stack != 1 or network.features != "none" or network.squash or network.clip:
+        if network.lstm or network.stack != 1 or network.squash or network.clip:
             raise ParamsError(f"{files.DOCUMENT}, network: on a road only dense layers are supported")
         if network.zeroed != "nothing":
             raise ParamsError(f"{files.DOCUMENT}, network: zeroed must be 'nothing' on a road, got {network.zeroed!r}")

@@ -110,7 +110,7 @@ def _displace(r_m, v_mps, radius_m, out):
     """`displacement` of every row, to the nearer side."""
     for n in range(len(r_m)):
         r, v = r_m[n], v_mps[n]
-        x, y, z, _, _, _ = displacement(r[0], r[1], r[2], v[0], v[1], v[2], radius_m[n], 0.0, 0.0, 0.0)
+        x, y, z = displacement(r[0], r[1], r[2], v[0], v[1], v[2], radius_m[n], 0.0, 0.0, 0.0)
         out[n, 0], out[n, 1], out[n, 2] = x, y, z
 
 

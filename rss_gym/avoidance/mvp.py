@@ -6,8 +6,9 @@ Engineering and System Safety 75, 2002), as in BlueSky's `traffic/asas/mvp.py`. 
 
 from math import sqrt
 
-from rss_gym.avoidance.approach import closest, side_of
+from rss_gym.avoidance.approach import side_of
 from rss_gym.jit import kernel
+from rss_gym.tracking.approach import closest
 
 # BlueSky takes 10 m of a zone of 5 nautical miles for a head-on, where the offset has no direction.
 HEAD_ON_SHARE = 10.0 / 9260.0
@@ -36,7 +37,7 @@ def velocity_change(x, y, vx, vy, radius_m, lookahead_s, side):
         The change (m/s); 0 without a conflict. The offset c at the closest approach becomes (R / eta) c / |c|, where
         eta = cos(asin(R / d) - asin(|c| / d)) accounts for the turn of the relative velocity.
     """
-    t, cx, cy = closest(x, y, vx, vy)
+    t, cx, cy, _ = closest(x, y, 0.0, -vx, -vy, 0.0)
     distance, miss = sqrt(x * x + y * y), sqrt(cx * cx + cy * cy)
     if t <= 0.0 or t > lookahead_s or miss >= radius_m:
         return 0.0, 0.0

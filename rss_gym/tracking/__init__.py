@@ -1,15 +1,52 @@
-"""Trackers (provisional)."""
+"""Where the other is and how it moves: a tracker makes one relative state with its covariance of what is sensed.
+
+It runs once a decision for every intruder, after sensing, on `sensed.OWN` and `sensed.OTHER` alone. `latest` holds the
+message, `fused` filters messages, velocities and range, `bearings` knows ranges and velocities only.
+"""
+
+from typing import Any, Final, Protocol
+
 import numpy as np
 
-from rss_gym.tracking.record import TRACK
+from rss_gym.params import Params
+from rss_gym.tracking import bank
+from rss_gym.tracking.models import MODEL, model
+from rss_gym.tracking.record import BANK, BEARINGS, FUSED, FUSED_COLUMNS, LATEST, TRACK
 
-LATEST, FUSED, BEARINGS = 0, 1, 2
-TRACKERS = {"latest": LATEST, "fused": FUSED, "bearings": BEARINGS}
+TRACKERS: Final = {"latest": LATEST, "fused": FUSED, "bearings": BEARINGS}
+
+__all__ = ["BEARINGS", "FUSED", "LATEST", "MODEL", "TRACK", "TRACKERS", "Tracker", "memory_columns", "model", "tracks"]
 
 
-def memories(params, n):
-    return np.zeros((n, params.encounter.intruders, 4))
+class Tracker(Protocol):
+    """A module of two kernels."""
+
+    def start(self, memory: Any) -> None:
+        """Forget the episode before; `memory` is one row of floats."""
+
+    def advance(self, own: Any, other: Any, memory: Any, track: Any, model: Any) -> None:
+        """Advance by a decision, or open with the first message, and write `track`.
+
+        Parameters
+        ----------
+        own, other : records
+            `sensed.OWN` and one of `sensed.OTHER`.
+        memory : (columns,) array
+            As `memory_columns` says; rewritten.
+        track : record
+            One of `TRACK`; rewritten. Only `valid` means anything while that is false.
+        model : record
+            `model(params)[0]`.
+        """
 
 
-def model(params):
-    return np.zeros(1, np.dtype([("decision_s", float)]))
+def memory_columns(params: Params, tracker: str) -> int:
+    """Floats that a tracker remembers of one intruder."""
+    if tracker == "bearings":
+        return BANK + bank.COLUMNS * int(model(params)["hypotheses"][0])
+    return FUSED_COLUMNS if tracker == "fused" else 1
+
+
+def tracks(n: int, intruders: int) -> np.ndarray:
+    """Track records of `n` rows, all invalid. Shape (n, intruders)."""
+    return np.zeros((n, intruders), TRACK)

@@ -1,20 +1,16 @@
-"""(provisional)"""
+"""The tracker of the world, by its code: one decision of one intruder."""
+
 from rss_gym.jit import inner
+from rss_gym.tracking import fused, latest
+from rss_gym.tracking.record import FUSED, LATEST
+
+fused_advance, latest_advance = fused.advance, latest.advance
 
 
 @inner
-def start(config, own, other, memory, track, model):
-    track.valid = False
-    advance(config, own, other, memory, track, model)
-
-
-@inner
-def advance(config, own, other, memory, track, model):
-    track.valid = other.valid
-    if other.valid:
-        for axis in range(3):
-            track.position_m[axis] = other.position_m[axis] + other.velocity_mps[axis] * other.age_s - own.position_m[axis]
-            track.velocity_mps[axis] = other.velocity_mps[axis] - own.velocity_mps[axis]
-        v = other.std_m * other.std_m + own.std_m * own.std_m
-        track.xx, track.xy, track.yy, track.zz = v, 0.0, v, v
-        track.side_probability = 1.0
+def advance(tracker, own, other, memory, track, model):
+    """Advance the track of one intruder; arguments as in `tracking.Tracker`."""
+    if tracker == FUSED:
+        fused_advance(own, other, memory, track, model)
+    else:
+        latest_advance(own, other, memory, track, model)

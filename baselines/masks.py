@@ -9,7 +9,19 @@ import numpy as np
 from rss_gym import observation
 from rss_gym.params import Params
 
-RANGE = ("range_m", "range_std_m", "coloured_db", "path_loss_factor", "range_rate_mps", "margin_m", "streak")
+# What the filter of a link holds. The track that the range has been fused into stays; `tracker="latest"` is without.
+RANGE = (
+    "range_m",
+    "range_std_m",
+    "range_rate_mps",
+    "coloured_db",
+    "path_loss_factor",
+    "white_std_db",
+    "coloured_std_db",
+    "coloured_tc_s",
+    "margin_m",
+    "streak",
+)
 
 # What is taken away -> whether it holds this field.
 MASKS: dict[str, Callable[[str], bool]] = {

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rss_gym.ranging import bearing, coloured
+from rss_gym.tracking import bearing, coloured
 
 UPPER = np.triu_indices(4)
 GAMMA = 2.7

@@ -10,7 +10,7 @@ import numpy as np
 from rss_gym.jit import kernel
 from rss_gym.physics.elementary import cos, exp, log, sin
 from rss_gym.physics.path_loss import slope_db_pm
-from rss_gym.ranging import bearing
+from rss_gym.tracking import bearing
 
 WEIGHT, X, Y, XX, XY, YY = 0, 1, 2, 5, 6, 9
 COLUMNS = 15
