@@ -40,9 +40,9 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     | 1 | to the right of it | -1 | 1 | `speed_max_mps` |
     | 2 | up (only with `planar=False`) | -1 | 1 | `vertical_speed_max_mps` |
 
-    The way point moves at the planned velocity plus the change, limited to the speed limits, and the autopilot, the
-    regulator of (42), follows it; its height stays within `altitude_band_m` of the planned one. Zero keeps the present
-    offset from the path: it is the policy that leads the aircraft back. With `action="discrete"` the space is
+    The way point moves at the planned velocity plus the change, shortened to `speed_max_mps` if it is faster, and the
+    autopilot, the regulator of (42), follows it; its height stays within `altitude_band_m` of the planned one. Zero
+    keeps the present offset from the path: it is the policy that leads the aircraft back. With `action="discrete"` the space is
     `Discrete(9)`: no change, and the eight combinations of half the limit forward or back with half of it to the right
     or to the left; `Discrete(11)` in space, with climb and descent at the full limit. `rss_gym.core.DISCRETE_ACTIONS`
     lists them. Finite values outside the box are clipped; other values raise `ValueError` or `TypeError`.
