@@ -19,7 +19,7 @@ from rss_gym.baselines.road.policy import World
 from rss_gym.highway import observation
 from rss_gym.params import ParamsError
 
-INTERFACE = ("track", "radio", "actions")
+INTERFACE = ("information", "radio", "actions")
 
 
 def inputs(world: World) -> list[str]:
@@ -82,7 +82,7 @@ def load(folder: str | os.PathLike[str], world: World, called: str | None = None
     ------
     ParamsError
         For a missing, truncated or foreign file, an unknown or missing field, a value out of bounds, a tensor of
-        another shape or with a value that is not finite, or a road or track that it was not made for.
+        another shape or with a value that is not finite, or a road or information that it was not made for.
     """
     try:
         text, blob = files.read(Path(folder))
@@ -91,16 +91,17 @@ def load(folder: str | os.PathLike[str], world: World, called: str | None = None
         files.same_names(f"{files.DOCUMENT}, interface", interface, INTERFACE)
         if not isinstance(interface["radio"], bool):
             raise ParamsError(f"{files.DOCUMENT}, interface: radio must be true or false, got {interface['radio']!r}")
-        track = world.params.interface.track
-        if interface["track"] != track:
+        information = world.params.interface.information
+        if interface["information"] != information:
             raise ParamsError(
-                f"{files.DOCUMENT}: it was made for track {interface['track']!r}, and this road has {track!r}"
+                f"{files.DOCUMENT}: it was made for information {interface['information']!r}, and this road has "
+                f"{information!r}"
             )
         if document["observation"] != inputs(world) or interface["actions"] != list(world.actions):
             raise ParamsError(
                 f"{files.DOCUMENT}: it was made for {len(document['observation'])} fields and actions "
                 f"{interface['actions']!r}, and this road has {len(inputs(world))} and {list(world.actions)}; scene, "
-                "vehicles and track must be as in training"
+                "vehicles and information must be as in training"
             )
         if network.lstm or network.stack != 1 or network.squash or network.clip:
             raise ParamsError(f"{files.DOCUMENT}, network: on a road only dense layers are supported")

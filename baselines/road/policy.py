@@ -40,6 +40,7 @@ class Driver(Group):
     world: World
 
     keywords: ClassVar[dict[str, Any]] = {}  # what the environment must be made with
+    information: ClassVar[str | None] = None  # what it is told if that is not what the observation holds
 
     def act(self, seen: dict[str, np.ndarray]) -> str:
         """The action for one observation in SI units, own fields (), those of the vehicles (K,)."""
@@ -71,3 +72,4 @@ class Idm(Nothing):
     """highway-env's own driver on true states: IDM for the speed, MOBIL for the lane."""
 
     keywords: ClassVar[dict[str, Any]] = {"driver": "idm"}
+    information: ClassVar[str | None] = "oracle"

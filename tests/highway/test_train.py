@@ -110,10 +110,10 @@ def test_driver_of_another_road_is_refused(run):
         make(str(run / "agent"), World.of(env))
 
 
-def test_driver_of_another_track_is_refused(run):
+def test_driver_of_another_information_level_is_refused(run):
     """The oracle's fields are those of the paper, and mean something else."""
-    env = RoadEnv(track="oracle")
-    with pytest.raises(ParamsError, match="it was made for track 'paper', and this road has 'oracle'"):
+    env = RoadEnv(information="oracle")
+    with pytest.raises(ParamsError, match="it was made for information 'positions', and this road has 'oracle'"):
         make(str(run / "agent"), World.of(env))
 
 

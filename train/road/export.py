@@ -76,7 +76,11 @@ def export(
     document = {
         "format": FORMAT,
         "network": dataclasses.asdict(network),
-        "interface": {"track": world.params.interface.track, "radio": radio, "actions": list(world.actions)},
+        "interface": {
+            "information": world.params.interface.information,
+            "radio": radio,
+            "actions": list(world.actions),
+        },
         "observation": inputs(world),
         "training": {},
     }
