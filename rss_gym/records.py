@@ -320,7 +320,7 @@ def allocate(params: Params, families: np.ndarray, n: int) -> World:
         links=np.zeros((n, links), LINK),
         contacts=np.zeros((n, k), CONTACT),
         mail=np.zeros((n, k, 1 + int(record["latency_ticks"][0])), MESSAGE),
-        memories=np.zeros((n, k, tracking.memory_columns(params, params.tracking.tracker))),
+        memories=np.zeros((n, k, tracking.memory_columns(params.tracking.tracker))),
         tracks=np.zeros((n, k), tracking.TRACK),
         model=tracking.model(params),
         used=used,
