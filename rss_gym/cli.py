@@ -153,7 +153,9 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("study", help="fly what the documentation claims, and print it beside its criteria")
     command.add_argument("name", metavar="NAME", help="world: whether the radio decides, nothing wins blind, RL learns")
-    command.add_argument("--episodes", type=int, default=20_000, help="encounters of a row, unless its section says more")
+    command.add_argument(
+        "--episodes", type=int, default=20_000, help="encounters of a row, unless its section says more"
+    )
     command.add_argument("--decisions", type=int, default=3_000_000, help="length of each training")
     command.add_argument("--seeds", type=int, default=5, help="trainings")
     command.add_argument("--workers", type=int, default=2)

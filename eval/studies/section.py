@@ -66,7 +66,9 @@ class Section:
         """For a terminal."""
         table = [list(self.header), *map(list, self.rows)]
         widths = [max(len(row[column]) for row in table) for column in range(len(self.header))]
-        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table]
+        lines = [
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table
+        ]
         return "\n".join([self.title, self.how, "", *lines, "", *map(str, self.criteria), ""])
 
     @property

@@ -1,4 +1,4 @@
-"""Does the radio decide? What World 1 promises, measured: estimators, trackers, blind flight, leaks, reward, learning."""
+"""What the world promises, measured: the radio, estimators, trackers, blind flight, leaks, the reward, learning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Does a message tell more than its sender knows, or the observation when the encounter was built to happen?"""
+"""No leak: what a message and an observation tell of the velocity and of the time of the closest approach."""
 
 from __future__ import annotations
 
@@ -14,7 +14,17 @@ from rss_gym.params import Params
 EPISODES = 4000
 TOLD = 0.94  # of the velocity error: what chance may take from it over these encounters
 # What the state of the moment tells: the track and its approaches, the own flight, the range, the message's own state.
-STATES = ("track_", "flown_", "planned_", "range_", "velocity_", "cruise", "offset_", "message_velocity", "message_position")
+STATES = (
+    "track_",
+    "flown_",
+    "planned_",
+    "range_",
+    "velocity_",
+    "cruise",
+    "offset_",
+    "message_velocity",
+    "message_position",
+)
 AXES = ("along", "right")
 VECTORS = {
     "velocity": ["message_velocity_along_mps", "message_velocity_right_mps"],
@@ -33,11 +43,18 @@ def section(scale: Scale) -> Section:
     for title, names in fields.items():
         errors = [residual([seen[name] for name in names], velocity[:, axis]) for axis in range(2)]
         least = min(least, *errors)
-        rows.append([f"velocity of a straight intruder from its message's {title}", *(f"{error:.3f} m/s" for error in errors)])
+        rows.append(
+            [f"velocity of a straight intruder from its message's {title}", *(f"{error:.3f} m/s" for error in errors)]
+        )
     seen, left_s, _ = sampled(Params())
     states = [seen[name] for name in seen if name.startswith(STATES)]
     times = residual(states, left_s), residual(list(seen.values()), left_s)
-    rows.append(["time to the planned closest approach from the state of the moment; from all fields", *(f"{time:.2f} s" for time in times)])
+    rows.append(
+        [
+            "time to the planned closest approach from the state of the moment; from all fields",
+            *(f"{time:.2f} s" for time in times),
+        ]
+    )
     return Section(
         "No leak",
         f"Linear least squares on a single decision of each of {EPISODES:,} encounters, seed {SEED}: rms errors on the "

@@ -34,8 +34,8 @@ def section(scale: Scale) -> Section:
     costs = ", ".join(f"{cost:.1f}" for cost in last)
     return Section(
         "Standard RL learns",
-        f"`examples/sb3_ppo.py`: {scale.decisions:,} decisions a seed, each on one core, CPU seconds of that process; scores "
-        f"of deterministic actions on {EPISODES:,} encounters, seed {SEED}.",
+        f"`examples/sb3_ppo.py`: {scale.decisions:,} decisions a seed, each on one core, CPU seconds of that process; "
+        f"scores of deterministic actions on {EPISODES:,} encounters, seed {SEED}.",
         ("policy", "decisions", "CPU s", "cost m", "collision rate", "mean deviation m"),
         rows,
         [

@@ -19,8 +19,8 @@ def section(scale: Scale) -> Section:
             rows.append(row(best, f"{side_m:g} m", found[best]))
     return Section(
         "The nodes' square",
-        f"Suite `encounter-v0` with other sides of the nodes' square, {EPISODES:,} encounters, seed {SEED}, each rule at "
-        "its cheapest radius. The world takes 300 m: the nodes then stand outside the area in which the aircraft meet.",
+        f"Suite `encounter-v0` with other sides of the nodes' square, {EPISODES:,} encounters, seed {SEED}, each rule "
+        "at its cheapest radius. The world takes 300 m: the nodes then stand outside the area in which the aircraft meet.",
         HEADER,
         rows,
     )

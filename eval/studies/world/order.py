@@ -1,4 +1,4 @@
-"""Do the return and the cost order policies alike?"""
+"""The return and the cost order policies alike."""
 
 from __future__ import annotations
 
@@ -30,8 +30,15 @@ def section(scale: Scale) -> Section:
         "Return and cost order policies alike",
         f"`rss_gym/Encounter-v0`, {EPISODES:,} encounters of split suite, seed {SEED}; undiscounted returns.",
         ("policy", "mean return", "mean cost m"),
-        [[name, f"{one:.3f}", f"{other:.3f}"] for name, (one, other) in sorted(found.items(), key=lambda item: item[1][1])],
-        [Criterion("Spearman's rank correlation of the return and minus the cost is 1", f"{rank:.6f}", rank > 1.0 - 1e-9)],
+        [
+            [name, f"{one:.3f}", f"{other:.3f}"]
+            for name, (one, other) in sorted(found.items(), key=lambda item: item[1][1])
+        ],
+        [
+            Criterion(
+                "Spearman's rank correlation of the return and minus the cost is 1", f"{rank:.6f}", rank > 1.0 - 1e-9
+            )
+        ],
     )
 
 

@@ -1,4 +1,4 @@
-"""The paper's radio: do its four numbers come out together?"""
+"""The radio of the paper: its four numbers come out together."""
 
 from __future__ import annotations
 

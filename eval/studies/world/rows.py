@@ -16,7 +16,9 @@ RULE = [f"orthogonal:radius_m={radius}" for radius in (30, 40, 50, 60)]
 Scores = dict[str, Estimate]
 
 
-def fly(policies: list[str], scale: Scale, suite: str = "encounter-v0", episodes: int | None = None, **changes: Any) -> dict[str, Scores]:
+def fly(
+    policies: list[str], scale: Scale, suite: str = "encounter-v0", episodes: int | None = None, **changes: Any
+) -> dict[str, Scores]:
     """Scores by policy over the first encounters of the study's seed."""
     count = scale.episodes if episodes is None else episodes
     result = evaluate(policies, suite, count, SEED, workers=scale.workers, progress=False, **changes)

@@ -1,4 +1,4 @@
-"""Do the estimator, the tracker and the range decide who collides?"""
+"""The estimator, the tracker and the range decide who collides."""
 
 from __future__ import annotations
 
