@@ -52,7 +52,7 @@ MODEL = np.dtype(
 )
 
 NODE_SHARE: Final = 0.7  # of the square's side: from inside it to its corners
-MANOEUVRE_MPS: Final = 0.2  # error of a relative velocity that is read twice a second in gusts and turns, per axis
+MANOEUVRE_MPS: Final = 0.35  # error of a relative velocity that is read twice a second in gusts and turns, per axis
 FOREVER_S: Final = 1e6
 FLOOR_M: Final = 1.0  # nearer, the slope of the path loss would say more about the bearing than the motion can
 CLOSING_STD_MPS: Final = 0.5  # the message may already tell the first half second of braking
