@@ -148,9 +148,9 @@ def hear(m, axis, z, r):
 def bearing_of(x, y):
     """Distance, not below its floor, and unit vector."""
     d = sqrt(x * x + y * y)
-    if d < NEAREST_M:
+    if d == 0.0:
         return NEAREST_M, 1.0, 0.0
-    return d, x / d, y / d
+    return max(d, NEAREST_M), x / d, y / d
 
 
 @kernel(forceinline=True)
