@@ -14,7 +14,7 @@ from rss_gym.params import Params
 
 
 def displacement(policy, world, decisions, n=6):
-    """Way point minus predefined trajectory after so many decisions, along, right, up, in m; shape (n, 3)."""
+    """Way point minus predefined trajectory after so many decisions, in m, (n, 3), and what the policy says of it."""
     batch = start(world, Block("suite", 0, range(n)))
     state, first, done = None, np.ones(n, bool), np.zeros(n, bool)
     for _ in range(decisions):
@@ -23,7 +23,7 @@ def displacement(policy, world, decisions, n=6):
         padded[:, : actions.shape[1]] = actions
         batch.step(padded, done)
         first = np.zeros(n, bool)
-    return apart(batch)
+    return apart(batch), state
 
 
 def apart(batch: Batch):
@@ -34,26 +34,36 @@ def apart(batch: Batch):
     return np.stack([forth, right, away[:, 2]], axis=1)
 
 
-@pytest.mark.parametrize("target_m", [(0.0, 10.0, 0.0), (-20.0, 5.0, 0.0), (0.0, -105.0, 0.0), (6.0, -3.0, 8.0)])
-def test_a_displacement_is_reached_and_kept_though_the_observation_clips_it(target_m):
+@pytest.mark.parametrize("target_m", [(0.0, 10.0, 0.0), (-20.0, 5.0, 0.0), (6.0, -3.0, 8.0)])
+def test_a_displacement_is_reached_and_kept(target_m):
     world = Params.of(planar=target_m[2] == 0.0, families="crossing", tail_min_s=45.0)
     policy = Blind(Displaced("there", target_m), world)
     for decisions in (60, 70):
-        np.testing.assert_allclose(displacement(policy, world, decisions), np.tile(target_m, (6, 1)), atol=0.3)
+        found, said = displacement(policy, world, decisions)
+        np.testing.assert_allclose(found, said, atol=1e-3)
+        np.testing.assert_allclose(found, np.tile(target_m, (6, 1)), atol=0.3)
+
+
+def test_what_is_far_is_remembered():
+    """The observation ends at 90 m."""
+    world = Params.of(families="crossing")
+    found, said = displacement(Blind(Displaced("", (0.0, -300.0, 0.0)), world), world, 70)
+    assert found[:, 1].max() < -100.0
+    np.testing.assert_allclose(found, said, atol=1e-3)
 
 
 def test_drifting_stopping_and_running_back():
     world = Params.of(families="crossing", gust_mps=0.0)
     t = 10 * world.clock.decision_s
     np.testing.assert_allclose(
-        displacement(Blind(Drifting("", (0.0, 2.0, 0.0)), world), world, 10),
+        displacement(Blind(Drifting("", (0.0, 2.0, 0.0)), world), world, 10)[0],
         np.tile([0.0, 2.0 * t, 0.0], (6, 1)),
         atol=1e-4,
     )
     cruise = np.linalg.norm(start(world, Block("suite", 0, range(6))).world.aircraft[:, 0]["planned_mps"], axis=1)
-    stopped = displacement(Blind(Drifting("", planned=-1.0), world), world, 10)
+    stopped, _ = displacement(Blind(Drifting("", planned=-1.0), world), world, 10)
     np.testing.assert_allclose(stopped[:, 0], -cruise * t, atol=1e-4)
-    back = displacement(Blind(Drifting("", (-5.0, 0.0, 0.0), -1.0), world), world, 10)
+    back, _ = displacement(Blind(Drifting("", (-5.0, 0.0, 0.0), -1.0), world), world, 10)
     np.testing.assert_allclose(back[:, 0], -5.0 * t, atol=1e-4)  # an action changes the velocity by the limit at most
 
 
