@@ -20,8 +20,8 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 sys.path.append(str(Path(__file__).resolve().parent.parent / "docs"))  # the scripts there are tested too
 
 IDS = ("rss_gym/Encounter-v0", "rss_gym/Encounter3D-v0", "rss_gym/EncounterRangeOnly-v0")
-TRACKS = ("oracle", "paper", "range")
-ACTIONS = ("displacement", "velocity", "discrete")
+INFORMATION = ("oracle", "positions", "ranges")
+ACTIONS = ("velocity", "discrete")
 
 
 @pytest.fixture(params=IDS, ids=lambda name: name.partition("/")[2])
@@ -30,9 +30,9 @@ def env_id(request):
     return request.param
 
 
-@pytest.fixture(params=TRACKS)
-def track(request):
-    """Every track."""
+@pytest.fixture(params=INFORMATION)
+def information(request):
+    """Every level of information."""
     return request.param
 
 
