@@ -9,12 +9,13 @@ from scipy import stats
 
 from rss_gym import encounters
 from rss_gym.core import Batch
+from rss_gym.encounters.sampler import BEYOND_S
 from rss_gym.eval.suites import SEPARATING
 from rss_gym.params import Encounter, Params, ParamsError
 from rss_gym.records import MAX_WAY_POINTS
 
 N = 4000
-ENCOUNTER, TAIL_S = Params().encounter, Params().clock.tail_s
+ENCOUNTER, CLOCK = Params().encounter, Params().clock
 START_MIN_M = ENCOUNTER.start_range_min * ENCOUNTER.start_range_unit_m
 START_MAX_M = ENCOUNTER.start_range_max * ENCOUNTER.start_range_unit_m
 # The laws that are drawn from; the hand-written encounters obey no limits and stay out of `mixed`.
@@ -74,9 +75,9 @@ def drawn(name, planar=True, intruders=1):
     """Encounters of a family, and what NumPy reads from the last intruder's path: one array per quantity."""
     batch = fresh(families=name, planar=planar, intruders=intruders, n=N if intruders == 1 else 800)
     agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, -1]
-    # Each intruder's path is laid until its closest approach + tail_s.
+    # Each intruder's path is laid until `BEYOND_S` after its closest approach.
     rows = np.arange(batch.n)
-    approach_s = intruder["path_s"][rows, intruder["path_points"] - 1] - TAIL_S
+    approach_s = intruder["path_s"][rows, intruder["path_points"] - 1] - BEYOND_S
     end_s = batch.episode["ticks"] * batch.params.clock.tick_s
     now = approach_s[:, None]
     (own, own_v), (_, v) = path_at(agent, now), path_at(intruder, now)
@@ -137,9 +138,11 @@ def test_limits_and_planned_closest_approach(name, planar):
     assert_limits(d)
     np.testing.assert_allclose(d.approach_s, d.first_approach_s, rtol=1e-12)
     np.testing.assert_allclose(d.own, np.tile([0.0, 0.0, ENCOUNTER.altitude_m], (N, 1)), atol=1e-9)
-    # The clock runs out at the first decision not before t_CPA + tail_s.
-    late = d.end_s - (d.approach_s + TAIL_S)
-    assert np.all((late > -1e-6) & (late < Params().clock.decision_s))
+    # The clock runs out at the first decision not before the approach and a tail that is drawn.
+    late = d.end_s - d.approach_s
+    assert np.all((late > CLOCK.tail_min_s - 1e-6) & (late < CLOCK.tail_max_s + CLOCK.decision_s))
+    spread = stats.uniform(CLOCK.tail_min_s, CLOCK.tail_max_s - CLOCK.tail_min_s + CLOCK.decision_s)
+    assert stats.kstest(late, spread.cdf).statistic < 0.05
     if planar:
         assert np.all(d.vertical == 0.0)
 
