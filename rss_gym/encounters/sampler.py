@@ -267,13 +267,12 @@ def draw(key, config, families, aircraft, intruders, tail_s):
             iz = oz + vertical
             own_end_s = approach_s + tail_s
             if k == 0:
-                own_bend_s = between(uniform(key, STREAM_SAMPLER, at + 11), law.own_bend_min_s, law.own_bend_max_s)
+                own_bend_s = between(
+                    uniform(key, STREAM_SAMPLER, at + 11), law.own_bend_min_s, min(law.own_bend_max_s, 0.6 * approach_s)
+                )
                 own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
                 wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
-                lay_path(
-                    agent, ox, oy, oz, ovx, ovy, approach_s,
-                    own_turn != 0.0, min(own_bend_s, 0.6 * approach_s), wx, wy,
-                )  # fmt: skip
+                lay_path(agent, ox, oy, oz, ovx, ovy, approach_s, own_turn != 0.0, own_bend_s, wx, wy)
             ivx, ivy = speed * dx, speed * dy
             if law.merging:  # the way point is the closest approach
                 wx, wy, bend_s = ivx, ivy, 0.0
