@@ -93,7 +93,9 @@ def sensed(generator, k, planar, wild):
     for records in (own, others, tracks):
         for name in records.dtype.names:
             part = records[name]
-            random = generator.random(part.shape) < 0.7 if part.dtype == bool else scale * generator.normal(size=part.shape)
+            random = (
+                generator.random(part.shape) < 0.7 if part.dtype == bool else scale * generator.normal(size=part.shape)
+            )
             if planar and part.shape[1:] == (3,):
                 random[:, 2] = 0.0
             records[name] = random

@@ -57,7 +57,9 @@ def test_return_and_cost_add_up_to_zero(name):
     np.testing.assert_allclose(sum(terms.values()), rewards.sum(axis=1), rtol=0, atol=1e-9)
     # The cost is what the module says, of what the records hold.
     cost_m = prices.deviation_price * e["deviation_mean_m"] + prices.snmac_price_m * e["snmac"]
-    cost_m = cost_m + prices.collision_price_m * e["collision"] + prices.proximity_price_m * e["proximity_sum"] / e["tick"]
+    cost_m = (
+        cost_m + prices.collision_price_m * e["collision"] + prices.proximity_price_m * e["proximity_sum"] / e["tick"]
+    )
     np.testing.assert_allclose(e["cost_m"], cost_m, rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(terms["reward_deviation"], -prices.deviation_price * e["deviation_mean_m"], atol=1e-9)
     np.testing.assert_array_equal(terms["reward_snmac"], -prices.snmac_price_m * e["snmac"])

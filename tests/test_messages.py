@@ -173,7 +173,9 @@ def test_nothing_heard_depends_on_the_end_of_the_flight(information):
 
 def test_paths_go_on_beyond_their_last_way_point():
     """Announced way points too: no end is told, however far ahead they lie."""
-    batch = fresh(families="crossing", intruder="gnss", velocity_mps=0.0, announce_s=60.0, tail_min_s=100.0, tail_max_s=100.0)
+    batch = fresh(
+        families="crossing", intruder="gnss", velocity_mps=0.0, announce_s=60.0, tail_min_s=100.0, tail_max_s=100.0
+    )
     contact, craft, beyond = batch.world.contacts[:, 0], batch.world.aircraft[:, 1], 0
     for n, flying in enumerate(flight(batch, 1500), start=1):
         new = flying & contact["valid"] & (contact["age_s"] == 0.0)

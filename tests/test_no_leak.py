@@ -227,7 +227,17 @@ def test_velocity_of_a_straight_intruder_is_told_no_better_than_its_sender_knows
 
 
 # What an honest instantaneous state tells: the track, the own flight, the range, where the intruder says it is.
-STATES = ("track_", "flown_", "planned_", "range_", "velocity_", "cruise", "offset_", "message_velocity", "message_position")
+STATES = (
+    "track_",
+    "flown_",
+    "planned_",
+    "range_",
+    "velocity_",
+    "cruise",
+    "offset_",
+    "message_velocity",
+    "message_position",
+)
 STATES += ("side_", "other_position")
 
 
@@ -240,7 +250,9 @@ def test_the_time_of_the_planned_closest_approach_is_told_by_the_track_alone(key
     half, errors = len(left_s) // 2, {}
     for title, names in (("states", states), ("all", list(seen))):
         columns = np.stack([seen[name] for name in names], axis=1)
-        trees = ensemble.HistGradientBoostingRegressor(max_iter=120, learning_rate=0.08, min_samples_leaf=20, random_state=0)
+        trees = ensemble.HistGradientBoostingRegressor(
+            max_iter=120, learning_rate=0.08, min_samples_leaf=20, random_state=0
+        )
         trees.fit(columns[:half], left_s[:half])
         found = left_s[half:] - trees.predict(columns[half:])
         errors[title] = np.sqrt(np.mean(found**2)), np.sqrt(np.mean(linear(columns.T, left_s) ** 2))

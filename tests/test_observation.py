@@ -22,7 +22,9 @@ WIDTH = len(fields(Params()))
 
 
 def name_of(params):
-    return f"{'plane' if params.encounter.planar else 'space'}-{params.interface.information}-{params.encounter.intruders}"
+    return (
+        f"{'plane' if params.encounter.planar else 'space'}-{params.interface.information}-{params.encounter.intruders}"
+    )
 
 
 @pytest.fixture(params=WORLDS, ids=name_of)
@@ -149,6 +151,7 @@ def test_documented_table():
         if not line.startswith("|"):
             break
         documented.append(line)
+
     def column(f):
         return f"x / (abs(x) + {f.stretch:g})" if f.stretch else f"x / {f.scale:g}" if f.scale != 1.0 else "x"
 

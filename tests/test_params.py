@@ -178,7 +178,9 @@ def test_contradictions_are_refused(keywords, sentence):
         Params.of(**keywords)
 
 
-DEFAULTS = {f.name: getattr(getattr(Params(), name), f.name) for name, g in GROUPS.items() for f in dataclasses.fields(g)}
+DEFAULTS = {
+    f.name: getattr(getattr(Params(), name), f.name) for name, g in GROUPS.items() for f in dataclasses.fields(g)
+}
 # Changes that are fine together; at least one of each pair is refused alone.
 LINKED = [
     {"intruders": 3, "intruders_min": 2},
@@ -232,7 +234,9 @@ def test_numbers_linked_within_a_group_are_all_in_the_list():
     for group in GROUPS.values():
         names = [f for f in dataclasses.fields(group) if "low" in f.metadata]
         for one, two in itertools.combinations(names, 2):
-            for a, b in itertools.product((one.metadata["low"], one.metadata["high"]), (two.metadata["low"], two.metadata["high"])):
+            for a, b in itertools.product(
+                (one.metadata["low"], one.metadata["high"]), (two.metadata["low"], two.metadata["high"])
+            ):
                 if fine(group, **{one.name: a, two.name: b}) and not fine(group, **{one.name: a}):
                     assert any({one.name, two.name} <= names for names in tried), (one.name, two.name)
 

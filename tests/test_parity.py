@@ -171,7 +171,9 @@ def test_batch_size_and_neighbours_do_not_matter(mode):
 
 
 @pytest.mark.parametrize(
-    "keywords", [{}, {"intruders": 3}, {"agent": "gnss", "planar": False}, {"information": "ranges"}], ids=lambda k: "-".join(k)
+    "keywords",
+    [{}, {"intruders": 3}, {"agent": "gnss", "planar": False}, {"information": "ranges"}],
+    ids=lambda k: "-".join(k),
 )
 def test_policies_meet_the_same_noise(keywords):
     """At every tick (a decision of one tick shows them all) the channel and the gusts are the same, the flights not."""
@@ -204,7 +206,13 @@ def test_policies_meet_the_same_noise(keywords):
 
 def test_noise_does_not_depend_on_the_rest_of_the_world():
     """Link 0, the first encounter and the agent's errors: whatever the number of intruders and the localisation."""
-    worlds = [{}, {"intruders": 2}, {"intruder": "gnss"}, {"agent": "gnss"}, {"information": "oracle", "estimator": "ls"}]
+    worlds = [
+        {},
+        {"intruders": 2},
+        {"intruder": "gnss"},
+        {"agent": "gnss"},
+        {"information": "oracle", "estimator": "ls"},
+    ]
     envs = [EncounterEnv(decision_s=0.1, **keywords) for keywords in worlds]
     for seed in range(3):
         for env in envs:

@@ -17,7 +17,12 @@ from rss_gym.params import ParamsError
 from rss_gym.sb3 import make_vec_env
 
 N = 6
-FAST = {"tail_min_s": 0.0, "tail_max_s": 0.0, "start_range_min": 0.8, "start_range_max": 0.9}  # short flights, so that many end
+FAST = {
+    "tail_min_s": 0.0,
+    "tail_max_s": 0.0,
+    "start_range_min": 0.8,
+    "start_range_max": 0.9,
+}  # short flights, so that many end
 
 
 def actions(rng, environment):

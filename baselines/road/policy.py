@@ -21,16 +21,19 @@ class World:
         Of the sensor, which decide the fields of the observation.
     actions : tuple of str
         highway-env's names of the discrete actions, in their order: LANE_LEFT, IDLE, LANE_RIGHT, FASTER, SLOWER.
+    radio : bool
+        Whether the vehicles' fields are written.
     """
 
     params: Params
     actions: tuple[str, ...]
+    radio: bool = True
 
     @classmethod
     def of(cls, env: Any) -> World:
         """Of a `RoadEnv`."""
         kinds = getattr(env.road.action_type, "actions", {})
-        return cls(env.params, tuple(kinds[index] for index in sorted(kinds)))
+        return cls(env.params, tuple(kinds[index] for index in sorted(kinds)), env.ranging.radio)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -132,7 +132,7 @@ class Writer:
 def heard(along: tuple[float, float], own: np.ndarray, seen: np.ndarray) -> dict[str, np.ndarray]:
     """Raw values (n,) of the fields of vehicles that are heard, by name."""
     held = seen["valid"]
-    values = {f.name: seen[f.name] for f in _RADIO if f.name in seen.dtype.names}
+    values = {f.name: seen[f.name] for f in _RADIO if f.name in (seen.dtype.names or ())}
     values |= {"zone_radius_m": seen["radius_m"], "margin_m": seen["range_m"] - seen["radius_m"]}
     values |= {"message_valid": held, "message_age_s": seen["age_s"] * held, "message_std_m": seen["std_m"] * held}
     for name, unit in (("position_m", "m"), ("velocity_mps", "mps")):

@@ -89,6 +89,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
             1.0 / frequency, ticks / frequency, vehicles, channel, information, estimator, zone, ranging, navigation
         )
         self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver
+        self.radio = radio
         self._writer = Writer(self.params, radio)
         self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
         self.plan: Plan | None = None

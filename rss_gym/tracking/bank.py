@@ -12,12 +12,14 @@ from rss_gym.physics.elementary import cos, exp, log10, sin
 from rss_gym.physics.path_loss import slope_db_pm
 from rss_gym.tracking import bearing
 
-HYPOTHESES: Final = 32
+HYPOTHESES: Final = 24
 W: Final = 0  # weight, at most 1
 X, Y, PHI, XX, XY, XP, YY, YP, PP = (HYPOTHESES * column for column in range(1, 10))
 SIZE: Final = 10 * HYPOTHESES
 LEAST_WEIGHT: Final = 1e-17  # of the best: no hypothesis is given up for good
 APART: Final = 2.0 * 3.141592653589793 / HYPOTHESES
+# Standard deviation of a hypothesis across its bearing when it opens, in spacings: wider ones cannot follow the ring.
+WIDTH: Final = 0.3
 
 predict, update, open_covariance = bearing.predict, bearing.update, bearing.open_covariance
 held_dbm, held_variance_db2 = bearing.held_dbm, bearing.held_variance_db2
@@ -53,14 +55,18 @@ def start(m, at, other, vx, vy, model):
     p_dp, p_pp = open_covariance(d, variance, other.path_loss_factor, s, rest)
     speed = sqrt(vx * vx + vy * vy)
     ax, ay = (vx / speed, vy / speed) if speed > 0.0 else (1.0, 0.0)
-    across = (0.6 * d * APART) * (0.6 * d * APART)
+    across = (WIDTH * d * APART) * (WIDTH * d * APART)
     more, best = variance - across, 0.0
     for k in range(HYPOTHESES):
         # Mirror images of each other in the relative velocity, and none on it.
         forth, right = cos((k + 0.5) * APART), sin((k + 0.5) * APART)
         nx, ny = forth * ax - right * ay, forth * ay + right * ax
         m[at + X + k], m[at + Y + k], m[at + PHI + k] = d * nx, d * ny, other.coloured_db
-        m[at + XX + k], m[at + XY + k], m[at + YY + k] = across + more * nx * nx, more * nx * ny, across + more * ny * ny
+        m[at + XX + k], m[at + XY + k], m[at + YY + k] = (
+            across + more * nx * nx,
+            more * nx * ny,
+            across + more * ny * ny,
+        )
         m[at + XP + k], m[at + YP + k], m[at + PP + k] = p_dp * nx, p_dp * ny, p_pp
         closing, blur = -speed * forth, model.closing_std_mps
         miss = d * right * speed / (speed + blur) / model.miss_std_m

@@ -122,7 +122,7 @@ def predict(m, dx, dy, period_s, a_b, a_e, noise_p, noise_b, noise_e):
 
 @kernel(forceinline=True)
 def correct(m, g0, g1, g2, g3, g4, g5, innovation, variance):
-    """x + g nu / s and P - g g^T / s, with g = P h and s = h^T P h + r."""
+    """X + g nu / s and P - g g^T / s, with g = P h and s = h^T P h + r."""
     g, w = (g0, g1, g2, g3, g4, g5), 1.0 / variance
     for i in range(SIZE):
         m[STATE + i] += g[i] * w * innovation

@@ -66,7 +66,10 @@ def test_gymnasium_check_env_with_render_modes(env_id):
 
 def test_sb3_check_env(env_id, information, action):
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    for env in (EncounterEnv(**REGISTERED[env_id] | {"information": information, "action": action}), gym.make(env_id, information=information)):
+    for env in (
+        EncounterEnv(**REGISTERED[env_id] | {"information": information, "action": action}),
+        gym.make(env_id, information=information),
+    ):
         checker.check_env(env, warn=True)
 
 
@@ -359,7 +362,9 @@ def test_single_wrappers(env_id):
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_vector_wrappers(env_id, mode):
     wrappers = gym.wrappers.vector
-    envs = wrappers.RecordEpisodeStatistics(gym.make_vec(env_id, num_envs=4, tail_min_s=5.0, tail_max_s=5.0, autoreset_mode=mode))
+    envs = wrappers.RecordEpisodeStatistics(
+        gym.make_vec(env_id, num_envs=4, tail_min_s=5.0, tail_max_s=5.0, autoreset_mode=mode)
+    )
     envs = wrappers.RescaleAction(envs, np.full(envs.single_action_space.shape, -5.0, np.float32), np.float32(5.0))
     envs.reset(seed=0)
     seen, lengths, returns, running = 0, [], np.zeros(4), np.zeros(4, int)
