@@ -151,6 +151,17 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
     command.set_defaults(run=_paper)
 
+    command = commands.add_parser("study", help="fly what the documentation claims, and print it beside its criteria")
+    command.add_argument("name", metavar="NAME", help="world: whether the radio decides, nothing wins blind, RL learns")
+    command.add_argument(
+        "--episodes", type=int, default=20_000, help="encounters of a row, unless its section says more"
+    )
+    command.add_argument("--decisions", type=int, default=3_000_000, help="length of each training")
+    command.add_argument("--seeds", type=int, default=5, help="trainings")
+    command.add_argument("--workers", type=int, default=2)
+    command.add_argument("--out", metavar="FILE", help="write the page as Markdown too")
+    command.set_defaults(run=_study)
+
     command = commands.add_parser(
         "demo", help="the rule of the paper over its radius beside other rules and learned agents, on two channels"
     )
@@ -357,6 +368,27 @@ def _paper(options: argparse.Namespace) -> None:
     print(reproduction.summary)
     print(f"numbers: {folder / paper.NUMBERS}")
     print(f"page: {folder / paper.PAGE}")
+
+
+def _study(options: argparse.Namespace) -> int:
+    from rss_gym.eval import studies
+    from rss_gym.files import write_text
+    from rss_gym.params import ParamsError, suggestion
+
+    if options.name not in studies.STUDIES:
+        raise ParamsError(f"study {options.name!r} is unknown{suggestion(options.name, studies.STUDIES)}")
+    scale = studies.Scale(options.episodes, options.workers, options.decisions, options.seeds)
+    sections = []
+    for section in studies.STUDIES[options.name](scale):
+        print(section.text, flush=True)
+        sections.append(section)
+    missed = [str(criterion) for section in sections for criterion in section.criteria if not criterion.met]
+    print(f"{sum(len(section.criteria) for section in sections) - len(missed)} criteria met, {len(missed)} missed")
+    if options.out:
+        command = f"Made by `rss-gym study {options.name}`, which flies all of it anew."
+        pages = [f"# Study: {options.name}", "", command, "", *(section.markdown for section in sections)]
+        write_text(options.out, "\n".join(pages))
+    return 0
 
 
 def _see_modules_here() -> None:

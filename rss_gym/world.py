@@ -11,6 +11,7 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.alerts import add_up, alert, witness
+from rss_gym.cost import conclude, is_finite, potential_m
 from rss_gym.encounters.complication import complicate
 from rss_gym.encounters.sampler import draw
 from rss_gym.flight import command, follow_plan, measure, meet, move, plan, steer
@@ -23,7 +24,6 @@ from rss_gym.physics.geometry import assign, zero
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.random import episode_key, fill_normals, normal, uniform
 from rss_gym.records import DEAD_RECKONING, GNSS, ORACLE, RANGES, RSS
-from rss_gym.cost import conclude, is_finite, potential_m
 from rss_gym.sensing import reveal_track, sense_row
 from rss_gym.streams import MAX_INTRUDERS, NODES, STREAM_EPISODE, STREAM_START_AIRCRAFT, STREAM_START_LINK
 from rss_gym.tracking.advance import advance
