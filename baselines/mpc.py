@@ -113,7 +113,7 @@ class Mpc(Scripted):
         )
         _steer(
             candidates(self.farthest_m, 0.0 if world.encounter.planar else world.encounter.altitude_band_m),
-            vectors(seen, "offset", "m"),
+            vectors(seen, "way_point", "m"),
             vectors(seen, "velocity", "mps"),
             vectors(seen, "way_point", "m"),
             np.ascontiguousarray(seen["cruise_mps"]),

@@ -126,7 +126,7 @@ class Orthogonal(Scripted):
         others, out = intruders(seen), np.zeros((len(memory), 3))
         level = self.level > 0.0 or self.world.encounter.planar
         _steer(
-            -vectors(seen, "offset", "m"),
+            -vectors(seen, "way_point", "m"),
             np.ascontiguousarray(seen["cruise_mps"]),
             others.known,
             others.position_m,
