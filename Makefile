@@ -9,7 +9,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test lint bench table bars variants clean
+.PHONY: help setup demo test explore lint bench table bars clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -21,6 +21,9 @@ demo: .venv/.base ## fly the rule of the paper beside others and learned agents,
 
 test: .venv/.done ## run all tests; skipped ones are listed with their reasons
 	$(BIN)/python -m pytest -ra -n $(JOBS) $(PYTEST_ARGS)
+
+explore: .venv/.done ## run the property tests with fresh examples (HYPOTHESIS_PROFILE=explore); `make test` always draws the same
+	HYPOTHESIS_PROFILE=explore $(BIN)/python -m pytest -ra -n $(JOBS) -m hypothesis $(PYTEST_ARGS)
 
 lint: .venv/.done ## style, types and layers
 	$(BIN)/ruff check .
@@ -36,9 +39,6 @@ table: .venv/.done ## fly the scripted rules and write their tables (an hour; go
 
 bars: .venv/.done ## fly the shipped agents against the rules by docs/bars.toml (half an hour; goes on likewise)
 	$(BIN)/python docs/bars.py
-
-variants: .venv/.done ## train `pathwise-short` with one thing changed at a time and write what that did (half an hour; goes on likewise)
-	$(BIN)/python docs/variants.py
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -22,10 +22,9 @@ from rss_gym.eval.intervals import (
     mean_zero_t,
     paired_difference,
 )
-from rss_gym.eval.metrics.path_deviation import deviations_m
-from rss_gym.eval.ranking import ALPHA
 from rss_gym.eval.reading import Record
 
+ALPHA = 0.05  # family-wise error of the comparisons with the safest setting
 EVENTS = {"collision": "collisions", "snmac": "sNMACs"}
 RATE, LENGTH = ".2e", ".2f"  # how rates and metres are printed
 
@@ -57,7 +56,7 @@ class Flight:
         # Copies: a column of a table keeps all of it in memory.
         collision, snmac = policy.table["collision"].copy(), policy.table["snmac"].copy()
         row = opponents.Row(name, record.episodes, policy.metrics)
-        points = Points(collision, deviations_m(policy.table))
+        points = Points(collision, policy.table["deviation_mean_m"].copy())
         return cls(row, points, snmac, none.table["collision"].copy(), policy.hash)
 
     @property
@@ -179,7 +178,7 @@ def deviates_less(one: Flight, other: Flight) -> bool:
 
 
 def best_of(settings: Sequence[Flight]) -> Flight:
-    """The setting that leads the ranking; see `DeviationOfBest`."""
+    """The setting that deviates least of those not told from the safest; see `DeviationOfBest`."""
     safest = min(settings, key=lambda flight: (_upper(flight), flight.points.mean_m))
     others = [flight for flight in settings if flight is not safest]
     p_values = holm([events_between(safest, other, "collision").p or 0.0 for other in others])
@@ -217,8 +216,8 @@ class FewerEvents(Bar):
 class DeviationOfBest(Bar):
     """Mean deviation below a share of that of the groups' best setting.
 
-    The best is that of the ranking (`rss_gym.eval.ranking`), here on the encounters that two settings share: of the
-    settings that exact McNemar tests with Holm's correction do not tell from the safest, the one that deviates least.
+    The best, on the encounters that two settings share: of the settings that exact McNemar tests with Holm's
+    correction do not tell from the safest, the one that deviates least.
     The safest has the least one-sided 95 % upper bound of the collision rate: one flown seldom is not it by luck.
     """
 

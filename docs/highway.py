@@ -26,12 +26,12 @@ from rss_gym.train.run_record import AGENT, copy_policy
 ROOT = Path(__file__).resolve().parent.parent
 SUITE, POLICIES = "highway-v0", ("none", "rule", "idm", *AGENTS)
 COLUMNS = {
+    "cost_m": ("cost, m", ".1f"),
     "collision_rate": ("collisions", ".3f"),
-    "risk_ratio": ("risk ratio", ".3f"),
-    "zone_violation_rate": ("zone violations", ".3f"),
+    "snmac_rate": ("near misses", ".3f"),
+    "path_deviation_mean_m": ("mean deviation, m", ".1f"),
     "lane_deviation_m": ("off the planned lane, m", ".2f"),
     "speed_deviation_mps": ("off the planned speed, m/s", ".2f"),
-    "path_deviation_mean_m": ("mean deviation, m", ".1f"),
 }
 SHOWN_EPISODE, SHOWN_DECISION = 0, 5
 SCALING, WIDTH_PX, HEIGHT_PX = 11.0, 1200, 240
@@ -41,7 +41,7 @@ WARNED, QUIET, INK = (225, 40, 40), (60, 130, 230), (255, 255, 255)
 def table(record: Path) -> str:
     """The rows of a record in Markdown."""
     rows = []
-    for row in opponents.read(record).values():
+    for row in sorted(opponents.read(record).values(), key=lambda row: row.metrics["cost_m"].value):
         cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
         rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
     titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]

@@ -13,11 +13,11 @@ from rss_gym.core import SPLITS, Batch, decode
 from rss_gym.eval.table import TABLE
 from rss_gym.params import Params
 from rss_gym.physics.random import uniform
+from rss_gym.streams import STREAM_SAMPLE
 
-STREAM_SAMPLE = 800  # of the counter-based noise: which decision of an encounter is sampled
 COLUMNS_OF_EPISODE = (
-    "family channel approach_s collision snmac zone min_separation_m closest_s deviation_max_m flown_m warned_s "
-    "false_alerts"
+    "family channel approach_s collision snmac zone zone_severity min_separation_m closest_s deviation_mean_m "
+    "deviation_max_m flown_m cost_m warned_s false_alerts"
 ).split()
 
 
@@ -134,12 +134,14 @@ def fly(
     ------
     PolicyError
         When the policy raises or returns actions of the wrong shape or type.
+    NotFiniteError
+        When a state of the world is not finite.
     """
     batch = start(world, block)
     episode, count = batch.episode, block.count
     table = np.zeros(count, TABLE)
     sampled = sample_decisions(episode, world)
-    deviation_ticks, done, state = np.zeros(count), np.zeros(count, bool), None
+    done, state = np.zeros(count, bool), None
     positions: list[np.ndarray] = []
     if watch:
         watch(batch)
@@ -155,10 +157,7 @@ def fly(
         except PolicyError as error:
             raise PolicyError(f"{error}; at decision {step} of {block}; nothing was scored") from error.__cause__
         table["fault"] |= bad & ~done
-        before = episode["tick"].copy()
         batch.step(decoded, done)
-        deviation_ticks += np.where(done, 0.0, episode["deviation_m"] * (episode["tick"] - before))
-        table["cost"] -= np.where(done, 0.0, episode["reward_tracking"] + episode["reward_effort"])
         here = batch.world.aircraft["position_m"][:, 0].copy()
         if nominal is not None:
             # Where `none` ended in a collision its position is held; only encounters it survives are ever judged.
@@ -173,7 +172,7 @@ def fly(
     table["episode"], table["missed_ticks"] = block.numbers, episode["missed"]
     table["duration_s"] = episode["ticks"] * world.clock.tick_s
     table["flown_s"] = episode["tick"] * world.clock.tick_s
-    table["deviation_mean_m"] = deviation_ticks / episode["tick"]
+    table["deviation_end_m"] = episode["deviation_m"]
     speed = np.linalg.norm(batch.world.aircraft["planned_mps"][:, 0], axis=1)
     table["planned_m"] = speed * table["flown_s"]
     return table, positions

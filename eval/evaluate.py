@@ -13,6 +13,7 @@ from tqdm import tqdm
 
 from rss_gym.baselines import able
 from rss_gym.core import checked_seed
+from rss_gym.eval.costs import Prices
 from rss_gym.eval.episodes import Block, described
 from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.policies import Entry, entry
@@ -82,7 +83,8 @@ def evaluate(
     block : int
         Episodes flown side by side, at most.
     **changes
-        Any parameter of the world, such as `channel` or `estimator`; such a run is not official.
+        Any parameter of the world, such as `information`, `estimator`, `tracker` or `channel`; such a run is not
+        official.
 
     Raises
     ------
@@ -90,6 +92,8 @@ def evaluate(
         For unknown names, numbers out of range, or contradictions.
     PolicyError
         When a policy raises, returns something that is not a batch of actions, or ends its process.
+    NotFiniteError
+        When a state of the world is not finite, in this process or a worker: it names split, seed and episode.
     """
     base = find(suite) if isinstance(suite, str) else suite
     flown = base.changed(**changes)
@@ -156,6 +160,7 @@ def score(
             trials=zone.trials,
             range_error_probability=zone.range_error_probability,
             reaction_s=zone.reaction_s,
+            prices=Prices.of(suite.params),
         )
         scored.append(Scored(item, table, measure(flights)))
     return Result(suite, seed, len(none), official, tuple(scored), reference)

@@ -322,6 +322,74 @@ def correlation(both: int, only_a: int, only_b: int, n: int) -> float:
     return covariance / sqrt(spread) if spread > 0 else 0.0
 
 
+# Sums
+
+
+class Part(NamedTuple):
+    """A term of a sum of means: `weight` times the mean of `values`, one an encounter, with the mean's interval."""
+
+    weight: float
+    values: np.ndarray
+    interval: Interval
+
+
+def sum_of_means(parts: Sequence[Part], value: float) -> Interval:
+    """Interval of a sum of means over the same encounters, from an interval of each mean: square and add.
+
+    An end lies sqrt(e' R e) from the value: e are the distances of the parts' ends that move the sum that way, times
+    the weight, and R is the correlation of the parts between encounters. For Student's intervals alone that is the
+    interval of the sum; a part whose interval is exact keeps its share of an uneven one.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        All of one length.
+    value : float
+        The sum, which the caller may know more exactly than from the parts.
+
+    Returns
+    -------
+    Interval
+        Without ends where a part has none.
+
+    References
+    ----------
+    Zou, Donner, "Construction of confidence limits about effect measures: a general approach", Statistics in Medicine
+    27 (2008) 1693 (MOVER, with its term for parts that are not independent).
+    """
+    n = len(parts[0].values)
+    below, above = [], []
+    for weight, _, (middle, low, high, _) in parts:
+        if middle is None or low is None or high is None:
+            return Interval(value, None, None, n)
+        down, up = (middle - low, high - middle) if weight >= 0.0 else (high - middle, middle - low)
+        below.append(abs(weight) * down)
+        above.append(abs(weight) * up)
+    together = _correlations([np.sign(part.weight) * part.values for part in parts])
+
+    def distance(ends: list[float]) -> float:
+        pairs = [
+            (1.0 if i == j else together[i][j]) * ends[i] * ends[j] for i in range(len(ends)) for j in range(len(ends))
+        ]
+        return sqrt(max(0.0, fsum(pairs)))
+
+    return Interval(value, value - distance(below), value + distance(above), n)
+
+
+def _correlations(columns: list[np.ndarray]) -> list[list[float]]:
+    """Coefficients between columns, 0 with one that does not vary; sums are correctly rounded."""
+    centred = [column - fsum(column.tolist()) / len(column) for column in columns]
+    squares = [fsum((column * column).tolist()) for column in centred]
+    out = [[0.0] * len(columns) for _ in columns]
+    for i in range(len(columns)):
+        for j in range(i):
+            scale = sqrt(squares[i] * squares[j])
+            if scale > 0.0:
+                product = fsum((centred[i] * centred[j]).tolist()) / scale
+                out[i][j] = out[j][i] = min(1.0, max(-1.0, product))
+    return out
+
+
 # Tests
 
 

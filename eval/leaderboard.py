@@ -1,7 +1,7 @@
 """Merges records into one page of ranked tables: what it shows has been recomputed from the records' tables.
 
-For each suite the official runs come first, one table a track. Other runs stand apart, and only those over the same
-encounters share a table, since the ranking compares policies encounter by encounter.
+For each suite the official runs come first, one table a level of information. Other runs stand apart, and only those
+over the same encounters share a table, since the ranking compares policies encounter by encounter.
 """
 
 from __future__ import annotations
@@ -19,34 +19,28 @@ import numpy as np
 
 from rss_gym import baselines
 from rss_gym.eval import ranking
-from rss_gym.eval.metrics import METRICS, Estimate
+from rss_gym.eval.costs import Costs, Prices
+from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.reading import Policy, Record, RecordError, load
 from rss_gym.eval.records import SCORES, TABLES
-from rss_gym.eval.report.tables import cell, heading, scrolled
+from rss_gym.eval.report.tables import FIRST, MAIN, barred, cell, difference, heading, place_cell, scrolled
 from rss_gym.eval.suites import SUITES
 from rss_gym.eval.verify import definition, entries_of, metrics_differences, official
 from rss_gym.files import new_folder
 from rss_gym.pages.page import Section, render, text
-from rss_gym.params import Track
+from rss_gym.params import Information
 
 PAGE, RECORDS = "index.html", "records"
-COLUMNS = (
-    "risk_ratio_upper",
-    "path_deviation_mean_m",
-    "risk_ratio",
-    "collision_rate",
-    "snmac_rate",
-    "unnecessary_manoeuvre_rate",
-)
-TRACKS = {
+LEVELS = {
     "oracle": "true states of the other aircraft",
-    "paper": "range by radio, and positions exchanged once warned",
-    "range": "range by radio and velocities, no positions",
+    "positions": "range by radio, and positions exchanged once warned",
+    "ranges": "range by radio and velocities, no positions",
 }
 RANKING = (
-    "Ranked by the upper end of the one-sided 95 % interval of the collision risk ratio. "
-    "Policies of one group are not told apart by their collisions (exact McNemar tests against the group's first, "
-    "Holm's correction); within a group the smaller mean deviation leads. A policy with a fault is not ranked."
+    "Ranked by mean cost: mean deviation while flown, plus 100 m for an sNMAC and 10,000 m for a collision. Beside it "
+    "stands by how much that is more than the first one's on the same encounters; where the 95 % interval of the pairs "
+    "holds zero, the two are not told apart. * marks the front: no other policy has both fewer collisions and less "
+    "deviation. A policy with a fault (an action that is not finite) is not ranked and shown in red."
 )
 
 
@@ -60,9 +54,10 @@ class Row:
     name: str
     spec: str
     hash: str
-    track: str
+    information: str
     metrics: dict[str, Estimate]
-    collision: np.ndarray
+    faults: int
+    costs: Costs
     min_separation_m: np.ndarray
 
     @property
@@ -80,13 +75,7 @@ class Row:
 
     def candidate(self) -> ranking.Candidate:
         """What the ranking needs."""
-        faults, upper, deviation = (
-            self.metrics[name].value for name in ("faults", "risk_ratio_upper", "path_deviation_mean_m")
-        )
-        assert faults is not None and deviation is not None  # of flights, of which there is at least one
-        return ranking.Candidate(
-            self.key, int(faults), upper, deviation, np.arange(len(self.collision)), self.collision
-        )
+        return ranking.Candidate(self.key, self.faults, self.costs, np.arange(len(self.costs)))
 
 
 @dataclass(frozen=True)
@@ -192,9 +181,10 @@ def _row(record: Record, policy: Policy, number: int) -> Row:
         name=policy.name,
         spec=policy.spec,
         hash=policy.hash,
-        track=policy.track,
+        information=policy.information,
         metrics=policy.metrics,
-        collision=policy.table["collision"].copy(),
+        faults=int(np.count_nonzero(policy.table["fault"])),
+        costs=Costs.of(policy.table, Prices.of(record.params)),
         min_separation_m=policy.table["min_separation_m"].copy(),
     )
 
@@ -239,8 +229,9 @@ def _differing(one: Row, other: Row) -> int | None:
     """The first common encounter whose flights differ, -1 if they are the same, None without a common encounter."""
     if one.run[1:3] != other.run[1:3]:
         return None
-    n = min(len(one.collision), len(other.collision))
-    unlike = (one.collision[:n] != other.collision[:n]) | (one.min_separation_m[:n] != other.min_separation_m[:n])
+    n = min(len(one.costs), len(other.costs))
+    unlike = one.min_separation_m[:n] != other.min_separation_m[:n]
+    unlike |= one.costs.cost_m[:n] != other.costs.cost_m[:n]
     return int(np.argmax(unlike)) if unlike.any() else -1
 
 
@@ -278,12 +269,12 @@ def _suite(rows: Sequence[Row], sources: Sequence[Source]) -> str:
     official_rows = [row for row in rows if row.official]
     others = sorted((row for row in rows if not row.official), key=lambda row: (-row.run[3], row.run[1:3]))
     if official_rows:
-        parts.append(f"<h3>Official runs: {_encounters(official_rows[0])}</h3>\n" + _tracks(official_rows, sources))
+        parts.append(f"<h3>Official runs: {_encounters(official_rows[0])}</h3>\n" + _levels(official_rows, sources))
     else:
         parts.append('<p class="text">No official run.</p>\n')
     for _, group in itertools.groupby(others, key=lambda row: row.run):
         members = list(group)
-        parts.append(f"<h3>Other runs: {_encounters(members[0])}</h3>\n" + _tracks(members, sources))
+        parts.append(f"<h3>Other runs: {_encounters(members[0])}</h3>\n" + _levels(members, sources))
     return "".join(parts)
 
 
@@ -292,12 +283,12 @@ def _encounters(row: Row) -> str:
     return f"{episodes:,} encounters of split {text(split)}, seed {seed}"
 
 
-def _tracks(rows: Sequence[Row], sources: Sequence[Source]) -> str:
+def _levels(rows: Sequence[Row], sources: Sequence[Source]) -> str:
     parts = []
-    for track in get_args(Track):
-        members = [row for row in rows if row.track == track]
+    for level in get_args(Information):
+        members = [row for row in rows if row.information == level]
         if members:
-            parts.append(f'<p class="text">Track <strong>{text(track)}</strong>: {text(TRACKS[track])}</p>\n')
+            parts.append(f'<p class="text">Information <strong>{text(level)}</strong>: {text(LEVELS[level])}</p>\n')
             parts.append(_table(members, sources))
     return "".join(parts)
 
@@ -305,24 +296,23 @@ def _tracks(rows: Sequence[Row], sources: Sequence[Source]) -> str:
 def _table(rows: Sequence[Row], sources: Sequence[Source]) -> str:
     by_key = {row.key: row for row in rows}
     alphabet = {key: index for index, key in enumerate(sorted(by_key))}
-    names = [name for name in COLUMNS if name in METRICS]
+    places = ranking.rank(row.candidate() for row in rows)
     lines = ""
-    for place in ranking.rank(row.candidate() for row in rows):
+    for place in places:
         row = by_key[place.name]
-        ranked, faults = place.group is not None, row.metrics["faults"].value
-        group = f'<td data-value="{place.group}">{place.group}</td>' if ranked else "<td>–</td>"
         link = f'<a href="{text(sources[row.record - 1].copy)}/{SCORES}">record {row.record}</a>'
+        why = f'; <strong class="fault">{text(place.why_not)}</strong>' if place.why_not else ""
         lines += (
-            f'<tr><td data-value="{place.place}">{place.place if ranked else "–"}</td>'
+            f"<tr{barred(place)}>{place_cell(place)}"
             f'<th scope="row" class="words" data-value="{alphabet[row.key]}">{text(row.name)}<span class="unit">{link}'
-            + ("" if ranked else f"; not ranked: {faults:g} faults")
-            + f"</span></th>{group}"
-            + "".join(cell(row.metrics.get(name)) for name in names)
+            f"{why}</span></th>{cell(row.metrics.get(MAIN[0]))}{difference(place)}"
+            + "".join(cell(row.metrics.get(name)) for name in MAIN[1:])
             + "</tr>\n"
         )
     headings = (
-        '<th scope="col">place</th><th scope="col" class="words">policy</th><th scope="col">group</th>'
-    ) + "".join(heading(name) for name in names)
+        f'<th scope="col">place</th><th scope="col" class="words">policy</th>{heading(MAIN[0])}{FIRST}'
+        + "".join(heading(name) for name in MAIN[1:])
+    )
     return scrolled(
         f'<table class="sortable policies"><thead><tr>{headings}</tr></thead>\n<tbody>\n{lines}</tbody></table>'
     )

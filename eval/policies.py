@@ -55,7 +55,7 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     ------
     ParamsError
         For an unknown name, a module or attribute that cannot be imported, a folder without an intact policy, an object
-        without `predict`, or a policy for another track.
+        without `predict`, or a policy that needs another level of information.
     """
     spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
     if isinstance(policy, str):
@@ -66,11 +66,9 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
     if isinstance(policy, (Scripted, Agent)):
         flown = policy.world
-        if flown.interface.track not in (world.interface.track, "oracle"):
-            raise ParamsError(
-                f"policy {spec!r} needs track {flown.interface.track!r}, but the suite is on track "
-                f"{world.interface.track!r}"
-            )
+        needed, given = flown.interface.information, world.interface.information
+        if needed not in (given, "oracle"):
+            raise ParamsError(f"policy {spec!r} needs information {needed!r}, but the suite gives {given!r}")
         world = flown
     return Entry(name or spec, spec, policy, world)
 

@@ -1,18 +1,10 @@
-"""The order of policies on a leaderboard: safety first, the length of the detour where safety is not told apart.
+"""The order of policies: by mean cost, each with the paired interval of its cost's difference from the first.
 
-The algorithm, on entries flown over the same encounters:
+A policy's cost is its own, so adding an entry never changes the order of the others. Entries of one cost go by name.
+A policy with a fault has no place: what it would have cost nobody knows.
 
-1. Entries with a fault come last, ordered by number of faults, then name. They take part in nothing else.
-2. The others are sorted by the one-sided 95 % upper bound of their collision risk ratio (undefined last), then number
-   of collisions, mean path deviation, name.
-3. The first of these that are left is the leader. It is compared with each other one left by the exact McNemar test on
-   collisions; the p-values of these comparisons are adjusted by Holm's method.
-4. The leader and all whose adjusted p-value is at least 0.05 form a group. Within it the order is by mean path
-   deviation, then name.
-5. Steps 3 and 4 repeat with the rest until none is left; each group follows the one before.
-
-Each entry lands in one group, and a group is sorted by one key, so the result is a total order: transitive, and the
-same for any order of the input. A new entry may lead a group or add a comparison, and so change places of others.
+The front are the ranked policies that no other ranked one equals or beats in both collision rate and mean deviation and
+beats in one of them.
 """
 
 from __future__ import annotations
@@ -20,14 +12,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf, isfinite
+from math import isfinite
+from typing import get_args
 
 import numpy as np
 
-from rss_gym.eval.intervals import holm, mcnemar_exact
-from rss_gym.eval.metrics import Flights, measure
-
-ALPHA = 0.05  # family-wise error of the comparisons with one leader
+from rss_gym.eval.costs import Costs, Prices
+from rss_gym.eval.evaluate import Result
+from rss_gym.eval.intervals import Interval
+from rss_gym.params import Information
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,35 +32,31 @@ class Candidate:
     name : str
         Unique among the entries.
     faults : int
-    risk_ratio_upper : float or None
-        One-sided 95 % upper bound; None where `none` never collides.
-    path_deviation_mean_m : float
+    costs : Costs
     episode : (n,) array
         Numbers of the encounters, the same for every entry.
-    collision : (n,) bool array
     """
 
     name: str
     faults: int
-    risk_ratio_upper: float | None
-    path_deviation_mean_m: float
+    costs: Costs
     episode: np.ndarray
-    collision: np.ndarray
 
     @classmethod
-    def of(cls, name: str, flights: Flights) -> Candidate:
-        """The entry of a policy with these flights, of which there is at least one."""
-        wanted = ("faults", "risk_ratio_upper", "path_deviation_mean_m")
-        faults, upper, deviation = (measure(flights, [metric])[metric].value for metric in wanted)
-        if faults is None or deviation is None:
-            raise ValueError(f"policy {name!r} has no flights")
-        return cls(name, int(faults), upper, deviation, flights.table["episode"], flights.table["collision"])
+    def of(cls, name: str, table: np.ndarray, prices: Prices) -> Candidate:
+        """The entry of a policy with these flights."""
+        faults = int(np.count_nonzero(table["fault"]))
+        return cls(name, faults, Costs.of(table, prices), table["episode"].copy())
 
     @property
-    def safety(self) -> tuple[float, int, float, str]:
-        """Key of step 2."""
-        upper = inf if self.risk_ratio_upper is None else self.risk_ratio_upper
-        return upper, int(np.count_nonzero(self.collision)), self.path_deviation_mean_m, self.name
+    def key(self) -> tuple[float, str]:
+        """What entries without faults are sorted by."""
+        return self.costs.mean_m, self.name
+
+    @property
+    def corner(self) -> tuple[float, float]:
+        """Collision rate and mean deviation: best is the lower left."""
+        return float(np.mean(self.costs.collision)), float(np.mean(self.costs.deviation_m))
 
 
 @dataclass(frozen=True)
@@ -76,68 +65,87 @@ class Place:
 
     Attributes
     ----------
-    place : int
-        From 1.
     name : str
-    group : int or None
-        From 1; entries of one group are not told apart in safety. None with faults.
-    leader : str or None
-        Of the group. None with faults.
-    p_adjusted : float or None
-        Holm-adjusted p-value of the comparison with the leader; None for the leader itself and with faults.
+    place : int or None
+        From 1; None where it is not ranked.
+    difference : Interval or None
+        Of its cost minus the first one's, in m; None for the first and where it is not ranked.
+    front : bool
+        Whether no other is as good in both collision rate and mean deviation and better in one.
+    faults : int
+        Any keeps it from being ranked.
     """
 
-    place: int
     name: str
-    group: int | None
-    leader: str | None
-    p_adjusted: float | None
+    place: int | None
+    difference: Interval | None
+    front: bool
+    faults: int
+
+    @property
+    def why_not(self) -> str:
+        """Why it is not ranked, in words; empty where it is."""
+        return "" if self.place is not None else f"not ranked: {self.faults:,} fault{'s' * (self.faults != 1)}"
 
 
-def rank(entries: Iterable[Candidate], alpha: float = ALPHA) -> list[Place]:
-    """The entries in order, best first; the module's docstring has the algorithm.
+def rank(entries: Iterable[Candidate], differences: bool = True) -> list[Place]:
+    """The entries in order, the cheapest first, those with faults last by name.
+
+    Parameters
+    ----------
+    entries : iterable of Candidate
+    differences : bool
+        Whether the differences from the first are wanted; without them it takes no time.
 
     Raises
     ------
     ValueError
-        For a name given twice, a score that is not finite, or entries over different encounters.
+        For a name given twice, no flight, a cost that is not finite, or entries over different encounters.
     """
     given = sorted(entries, key=lambda entry: entry.name)
     check(given)
-    left = sorted((entry for entry in given if entry.faults == 0), key=lambda entry: entry.safety)
-    places: list[Place] = []
-    group = 0
-    while left:
-        group += 1
-        leader, p_values = left[0], compare(left[0], left[1:])
-        together = [entry for entry in left if p_values.get(entry.name, 1.0) >= alpha]
-        for entry in sorted(together, key=lambda entry: (entry.path_deviation_mean_m, entry.name)):
-            places.append(Place(len(places) + 1, entry.name, group, leader.name, p_values.get(entry.name)))
-        left = [entry for entry in left if entry not in together]
-    for entry in sorted((entry for entry in given if entry.faults), key=lambda entry: (entry.faults, entry.name)):
-        places.append(Place(len(places) + 1, entry.name, None, None, None))
-    return places
-
-
-def compare(leader: Candidate, others: list[Candidate]) -> dict[str, float]:
-    """Holm-adjusted p-values of exact McNemar tests of the leader's collisions against each other one's, by name."""
-    p_values = [
-        mcnemar_exact(
-            int(np.count_nonzero(leader.collision & ~other.collision)),
-            int(np.count_nonzero(~leader.collision & other.collision)),
+    ranked = sorted((entry for entry in given if not entry.faults), key=lambda entry: entry.key)
+    on_front = front([entry.corner for entry in ranked])
+    places = [
+        Place(
+            entry.name,
+            index + 1,
+            entry.costs.minus(ranked[0].costs) if index and differences else None,
+            on_front[index],
+            0,
         )
-        for other in others
+        for index, entry in enumerate(ranked)
     ]
-    return dict(zip((other.name for other in others), holm(p_values), strict=True))
+    return places + [Place(entry.name, None, None, False, entry.faults) for entry in given if entry.faults]
+
+
+def front(corners: list[tuple[float, float]]) -> list[bool]:
+    """Of each point, whether no other is as low in both and lower in one."""
+    return [not any(a <= x and b <= y and (a, b) != (x, y) for a, b in corners) for x, y in corners]
 
 
 def check(entries: list[Candidate]) -> None:
     """Refuse names given twice, numbers that do not sort, and different encounters; `entries` are sorted by name."""
     for entry in entries:
-        if not all(isfinite(x) for x in (entry.risk_ratio_upper or 0.0, entry.path_deviation_mean_m)):
-            raise ValueError(f"entry {entry.name!r} has a score that is not finite")
+        if not len(entry.costs):
+            raise ValueError(f"entry {entry.name!r} has no flights")
+        if not isfinite(entry.costs.mean_m):
+            raise ValueError(f"entry {entry.name!r} has a cost that is not finite")
     for one, other in pairwise(entries):
         if one.name == other.name:
             raise ValueError(f"entry {one.name!r} is given twice")
         if not np.array_equal(one.episode, other.episode):
             raise ValueError(f"entries {one.name!r} and {other.name!r} were flown over different encounters")
+
+
+def of(result: Result, differences: bool = False) -> dict[str, list[Place]]:
+    """The policies of a result in order by level of information: who is told more is no rival. See `rank`."""
+    prices = Prices.of(result.suite.params)
+    places = {}
+    for information in get_args(Information):
+        members = [one for one in result.policies if one.entry.world.interface.information == information]
+        if members:
+            places[information] = rank(
+                (Candidate.of(one.entry.name, one.table, prices) for one in members), differences
+            )
+    return places

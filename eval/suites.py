@@ -74,12 +74,23 @@ SEPARATING = ["near-parallel", "late-turn", "accelerating", "deceitful", "path-l
 SUITES: dict[str, Suite] = {
     suite.name: suite
     for suite in (
-        Suite("encounter-v0", "the default world, planar"),
+        Suite("encounter-v0", "the default world, planar: nobody has GNSS"),
         Suite("encounter3d-v0", "the default world in space", Params.of(planar=False)),
-        Suite("range-only-v0", "ranges and velocities, no positions", Params.of(track="range")),
-        Suite("gps-denied-v0", "agent and intruder both localised by radio", Params.of(agent="rss", intruder="rss")),
-        Suite("quadcopter-v0", "the channel of a real telemetry link", Params.of(channel="quadcopter")),
-        Suite("turning-v0", "both aircraft turn before the closest approach", Params.of(families="turning")),
+        Suite("range-only-v0", "ranges and velocities, no positions", Params.of(information="ranges")),
+        Suite("gnss-v0", "agent and intruder know where they are by GNSS", Params.of(agent="gnss", intruder="gnss")),
+        # On a slow radio two fixes between distant nodes err by 35 m a side, and nobody is safer than who flees: these
+        # suites give the intruder GNSS, and `quadcopter-v0` nearer nodes (`rss-gym study world`).
+        Suite(
+            "radios-v0",
+            "a radio drawn for each encounter: presets and random ones; the intruder has GNSS",
+            Params.of(channel="radios", intruder="gnss"),
+        ),
+        Suite(
+            "quadcopter-v0",
+            "the channel of a real telemetry link; the intruder has GNSS, nodes 200 m apart",
+            Params.of(channel="quadcopter", intruder="gnss", node_square_m=200.0),
+        ),
+        Suite("turning-v0", "both aircraft turn, the intruder before the closest approach", Params.of(families="turning")),
         Suite("degenerate-v0", "hand-written corners of the geometry", Params.of(families=DEGENERATE), episodes=1000),
         Suite("separating-v0", "families that tell the rules apart, in equal shares", Params.of(families=SEPARATING)),
         Suite(

@@ -16,6 +16,7 @@ TABLE = np.dtype(
         ("collision", b1),
         ("snmac", b1),
         ("zone", b1),
+        ("zone_severity", f8),  # mean over the ticks flown of max(0, 1 - separation / S)
         ("min_separation_m", f8),
         ("closest_s", f8),  # time of the least separation
         # Path
@@ -24,7 +25,8 @@ TABLE = np.dtype(
         ("manoeuvre_m", f8),  # max |u - u_none|, sampled once a decision; the flight of `none` on the same encounter
         ("flown_m", f8),
         ("planned_m", f8),  # length of the predefined trajectory over the time flown
-        ("cost", f8),  # (42) summed over the decisions, with the reward's weights
+        ("deviation_end_m", f8),  # mean over the last decision
+        ("cost_m", f8),  # of the encounter, see `rss_gym.eval.costs`
         # Warnings
         ("warned_s", f8),  # time of the first warning, -1 without one
         ("false_alerts", i8),  # warnings that opened at a true separation above S

@@ -131,6 +131,8 @@ def verify(
     ------
     RecordError
         If the folder does not hold an intact record.
+    NotFiniteError
+        When a state of the world is not finite while episodes are flown again: that is no verdict on the record.
     """
     record = load(folder)
     verdict = Verdict(str(folder), record.suite, record.episodes)
@@ -221,8 +223,9 @@ def entries_of(
                 missing[policy.name] = f"{policy.spec!r} is not the policy that was recorded"
                 continue
         entries.append(built)
-        if built.world.interface.track != policy.track:
-            found.append(Difference(policy.name, "track", policy.track, built.world.interface.track))
+        flown = built.world.interface.information
+        if flown != policy.information:
+            found.append(Difference(policy.name, "information", policy.information, flown))
     return entries, missing, found
 
 

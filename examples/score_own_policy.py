@@ -14,7 +14,7 @@ from rss_gym.params import Params
 
 
 class PassBehind:
-    """Way point to the side that the intruder comes from, while the zone is broken and it is near.
+    """Flies to the side that the intruder comes from while the track predicts a near miss, and back to its path after.
 
     All that the evaluator asks for is `predict`, as Stable-Baselines3 has it, on batches.
 
@@ -32,10 +32,14 @@ class PassBehind:
     ) -> tuple[np.ndarray, Any]:
         """Actions (n, 2) in [-1, 1] for observations (n, d); this policy has no memory, so `state` stays as it is."""
         seen = observation.split(rows, self.world)
-        warned = (seen["message_valid"][:, 0] > 0.5) & (seen["range_m"][:, 0] < 90.0)
-        actions = np.zeros((len(rows), 2), np.float32)
+        near = (seen["track_valid"][:, 0] > 0.5) & (seen["planned_distance_m"][:, 0] < 30.0)
+        near &= (seen["range_m"][:, 0] < 90.0) & (seen["planned_time_s"][:, 0] > 0.0)
+        # An action is a change of velocity in shares of the speed limit; zero would keep the present offset.
+        back = -0.05 * np.stack([seen["way_point_along_m"], seen["way_point_right_m"]], axis=1)
+        actions = np.clip(back, -0.3, 0.3).astype(np.float32)
         # It flies to the right: the space behind it is on the left, and the other way round.
-        actions[:, 1] = np.where(warned, -np.sign(seen["message_velocity_right_mps"][:, 0]), 0.0)
+        side = -np.sign(seen["message_velocity_right_mps"][:, 0])
+        actions[near] = np.stack([np.zeros(len(rows)), 0.5 * side], axis=1)[near]
         return actions, state
 
 

@@ -12,17 +12,18 @@ from rss_gym import baselines, observation
 def alone() -> None:
     """Fly one encounter with the paper's rule."""
     policy = baselines.make("orthogonal:radius_m=60")
-    env = gym.make("rss_gym/Encounter-v0", params=policy.world)
+    env = gym.make("rss_gym/Encounter-v0")
     row, _ = env.reset(seed=0)
     state, done, total = None, False, 0.0
     while not done:
         action, state = policy.predict(row, state)
         row, reward, terminated, truncated, info = env.step(action)
         done, total = terminated or truncated, total + reward
-    seen = observation.split(row[None], policy.world)  # fields by name, in SI units
+    seen = observation.split(row, env.unwrapped.params)  # fields by name, in SI units
     print(
-        f"one encounter: reward {total:.1f}, least separation {info['min_separation_m']:.1f} m, greatest deviation "
-        f"{info['deviation_max_m']:.1f} m; in the end the intruder is estimated at {seen['range_m'][0, 0]:.0f} m"
+        f"one encounter: cost {info['cost_m']:.1f} m, minus the return {total:.1f}; least separation "
+        f"{info['min_separation_m']:.1f} m, greatest deviation {info['deviation_max_m']:.1f} m; in the end the intruder "
+        f"is estimated at {seen['range_m'][0]:.0f} m"
     )
 
 

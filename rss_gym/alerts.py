@@ -98,9 +98,7 @@ def send(config, e, k, contact, path, craft, message, r):
     The next way point is the planned way over `announce_s` from now, displaced as the sender's solution is and led
     astray by the error of its velocity, so that it tells no more than the sender knows of itself.
     """
-    message.sent = (
-        config.message_loss <= 0.0 or uniform(e.key, STREAM_MESSAGE + k, e.tick) >= config.message_loss
-    )
+    message.sent = config.message_loss <= 0.0 or uniform(e.key, STREAM_MESSAGE + k, e.tick) >= config.message_loss
     message.std_m = craft.solution_std_m[r]
     ahead = planned_ahead(path, craft, config.announce_s, r)
     for axis in range(3):

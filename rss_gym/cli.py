@@ -28,9 +28,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("rss-gym: interrupted; nothing was written", file=sys.stderr)
         return 130
     except Exception as error:
+        from rss_gym.core import NotFiniteError
         from rss_gym.eval.episodes import PolicyError
 
-        if not isinstance(error, PolicyError):
+        if not isinstance(error, (NotFiniteError, PolicyError)):
             raise
         print(f"rss-gym: {error}", file=sys.stderr)
         return 1
@@ -63,9 +64,14 @@ def _parser() -> argparse.ArgumentParser:
         "--channel", nargs="+", action="extend", metavar="PRESET|FILE", help="channel, or several to draw from"
     )
     command.add_argument(
-        "--track", nargs="+", action="extend", help="oracle, paper or range; several give a folder each in DIR"
+        "--information",
+        nargs="+",
+        action="extend",
+        metavar="LEVEL",
+        help="oracle, positions or ranges; several give a folder each in DIR",
     )
-    command.add_argument("--estimator", help="ekf-coloured, ekf-white or ls")
+    command.add_argument("--estimator", help="of the range: ekf-coloured, ekf-white, ekf-white-r or ls")
+    command.add_argument("--tracker", help="of the intruder's relative state: latest, fused or bearings")
     command.add_argument("--families", nargs="+", action="extend")
     command.add_argument("--workers", type=int, default=1)
     command.add_argument("--reference", metavar="NAME", help="policy that completed-only figures are compared with")
@@ -97,7 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--channel", nargs="+", action="extend", metavar="PRESET|FILE", help="channel, or several to draw from"
     )
-    command.add_argument("--track", help="oracle, paper or range")
+    command.add_argument("--information", metavar="LEVEL", help="oracle, positions or ranges")
     command.add_argument("--resume", metavar="RUN", help="go on with the run in this folder from its checkpoints")
     command.add_argument(
         "--set",
@@ -113,7 +119,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of SB3")
     command.add_argument("--out", required=True, metavar="DIR", help="new folder for the policy")
     command.add_argument("--env", help="the id the .zip was trained in; default: rss_gym/Encounter-v0")
-    command.add_argument("--algorithm", help="pathwise, ppo, recurrent-ppo or sac; default: what the .zip looks like")
+    command.add_argument("--algorithm", help="ppo, recurrent-ppo or sac; default: what the .zip looks like")
     command.add_argument(
         "--set",
         nargs="+",
@@ -144,6 +150,17 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--seed", type=int, default=0)
     command.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
     command.set_defaults(run=_paper)
+
+    command = commands.add_parser("study", help="fly what the documentation claims, and print it beside its criteria")
+    command.add_argument("name", metavar="NAME", help="world: whether the radio decides, nothing wins blind, RL learns")
+    command.add_argument(
+        "--episodes", type=int, default=20_000, help="encounters of a row, unless its section says more"
+    )
+    command.add_argument("--decisions", type=int, default=3_000_000, help="length of each training")
+    command.add_argument("--seeds", type=int, default=5, help="trainings")
+    command.add_argument("--workers", type=int, default=2)
+    command.add_argument("--out", metavar="FILE", help="write the page as Markdown too")
+    command.set_defaults(run=_study)
 
     command = commands.add_parser(
         "demo", help="the rule of the paper over its radius beside other rules and learned agents, on two channels"
@@ -176,29 +193,29 @@ def _eval(options: argparse.Namespace) -> None:
 
     out = check_new(options.out)
     _see_modules_here()
-    names = ("channel", "estimator", "families")
+    names = ("channel", "estimator", "tracker", "families")
     changes: dict[str, Any] = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
-    tracks = options.track or []
-    twice = next((track for track in tracks if tracks.count(track) > 1), None)
+    levels = options.information or []
+    twice = next((level for level in levels if levels.count(level) > 1), None)
     if twice is not None:
-        raise ParamsError(f"track {twice!r} is given twice")
-    if len(tracks) < 2:
-        results = {"": _flown(options, options.out, **changes, **({"track": tracks[0]} if tracks else {}))}
+        raise ParamsError(f"information {twice!r} is given twice")
+    if len(levels) < 2:
+        results = {"": _flown(options, options.out, **changes, **({"information": levels[0]} if levels else {}))}
     else:
-        for track in tracks:  # before hours are flown on the first
-            _scorer(options).check(options.policy, options.suite, options.reference, **changes, track=track)
+        for level in levels:  # before hours are flown on the first
+            _scorer(options).check(options.policy, options.suite, options.reference, **changes, information=level)
         with new_folder(out) as folder:
-            results = {track: _flown(options, folder / track, **changes, track=track) for track in tracks}
+            results = {level: _flown(options, folder / level, **changes, information=level) for level in levels}
     if options.json:
-        scores = {track: (out / track / records.SCORES).read_text(encoding="utf-8") for track in results}
-        several = {track: json.loads(content) for track, content in scores.items()}
-        print(json.dumps(several, indent=1) if len(tracks) > 1 else scores[""].rstrip())
+        scores = {level: (out / level / records.SCORES).read_text(encoding="utf-8") for level in results}
+        several = {level: json.loads(content) for level, content in scores.items()}
+        print(json.dumps(several, indent=1) if len(levels) > 1 else scores[""].rstrip())
         return
     columns = _scorer(options).COLUMNS if _is_road(options) else text.COLUMNS
-    for track, result in results.items():
-        print(text.table(result, columns))
-        print(f"scores: {os.path.join(options.out, track, records.SCORES)}")
-        print(f"report: {os.path.join(options.out, track, report.REPORT)}")
+    for level, result in results.items():
+        print(text.table(result, columns, text.coloured(sys.stdout)))
+        print(f"scores: {os.path.join(options.out, level, records.SCORES)}")
+        print(f"report: {os.path.join(options.out, level, report.REPORT)}")
 
 
 def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
@@ -261,7 +278,7 @@ def _train(options: argparse.Namespace) -> int:
 
     changes = recipe.parse_changes(options.set or [])
     short = {"recipe.env": options.env, "recipe.steps": options.steps}
-    short |= {"world.channel": options.channel, "world.track": options.track}
+    short |= {"world.channel": options.channel, "world.information": options.information}
     changes |= {key: value for key, value in short.items() if value is not None}
     try:
         if options.resume is None:
@@ -351,6 +368,27 @@ def _paper(options: argparse.Namespace) -> None:
     print(reproduction.summary)
     print(f"numbers: {folder / paper.NUMBERS}")
     print(f"page: {folder / paper.PAGE}")
+
+
+def _study(options: argparse.Namespace) -> int:
+    from rss_gym.eval import studies
+    from rss_gym.files import write_text
+    from rss_gym.params import ParamsError, suggestion
+
+    if options.name not in studies.STUDIES:
+        raise ParamsError(f"study {options.name!r} is unknown{suggestion(options.name, studies.STUDIES)}")
+    scale = studies.Scale(options.episodes, options.workers, options.decisions, options.seeds)
+    sections = []
+    for section in studies.STUDIES[options.name](scale):
+        print(section.text, flush=True)
+        sections.append(section)
+    missed = [str(criterion) for section in sections for criterion in section.criteria if not criterion.met]
+    print(f"{sum(len(section.criteria) for section in sections) - len(missed)} criteria met, {len(missed)} missed")
+    if options.out:
+        command = f"Made by `rss-gym study {options.name}`, which flies all of it anew."
+        pages = [f"# Study: {options.name}", "", command, "", *(section.markdown for section in sections)]
+        write_text(options.out, "\n".join(pages))
+    return 0
 
 
 def _see_modules_here() -> None:

@@ -128,9 +128,7 @@ class Batch:
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
-        failed = world.start(
-            self.world, self.seen, mask, self.split, self.seeds, self.numbers, self.observations
-        )
+        failed = world.start(self.world, self.seen, mask, self.split, self.seeds, self.numbers, self.observations)
         if failed >= 0:
             raise ParamsError(
                 f"no encounter of families {self.params.encounter.families!r} meets the limits on closing speed, time "

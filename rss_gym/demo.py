@@ -7,6 +7,7 @@ The channel is calibrated from recorded logs where they are at hand, in the fold
 from __future__ import annotations
 
 import os
+import sys
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
@@ -105,11 +106,11 @@ def run(out: str | os.PathLike[str], episodes: int, workers: int) -> Path:
     flown = ("none", *agents, *RULE, *OTHERS)
     _say(f"1/2 Flying {len(flown)} policies over the same {episodes:,} encounters on {workers} processes.")
     first = evaluate(flown, SUITE, episodes, workers=workers, reference=REFERENCE)
-    print(text.table(first))
+    print(text.table(first, colour=text.coloured(sys.stdout)))
     both = ("none", *agents, *RULE)
     _say(f"\n2/2 {len(both)} of them once more, on the channel of a radio. {found.origin}")
     second = evaluate(both, SUITE, episodes, workers=workers, reference=REFERENCE, channel=found.channel.to_dict())
-    print(text.table(second))
+    print(text.table(second, colour=text.coloured(sys.stdout)))
 
     def write(result: Result, folder: Path) -> None:
         records.save(second, folder / RADIO, page=report.write)

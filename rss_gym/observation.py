@@ -182,7 +182,7 @@ def transforms(table: list[Field]) -> np.ndarray:
 
 @kernel(forceinline=True)
 def transform(raw, table, out):
-    """SI values `raw` (d,) -> columns `out` (d,) float32, each scaled and clipped or stretched by its row of `table`."""
+    """SI values `raw` (d,) -> columns `out` (d,) float32, each scaled and clipped, or stretched, as `table` says."""
     for column in range(len(out)):
         x = raw[column]
         y = x / (table[column, 0] + table[column, 1] * abs(x))
@@ -277,11 +277,10 @@ def put_track(own, track, planar, positions, out, at):
         at = put_vector(out, at + 1, track.other_m[0], track.other_m[1], 0.0, along, True)
     at = put_approach(out, at, p[0], p[1], p[2], v[0], v[1], v[2], along, planar)
     # On the predefined trajectory the agent is displaced by minus its offset, and flies the planned velocity.
-    o, w, own_v = own.position_m, own.planned_m, own.velocity_mps
+    o, w, ov, wv = own.position_m, own.planned_m, own.velocity_mps, own.planned_mps
     return put_approach(
         out, at, p[0] + o[0] - w[0], p[1] + o[1] - w[1], p[2] + o[2] - w[2],
-        v[0] + own_v[0] - own.planned_mps[0], v[1] + own_v[1] - own.planned_mps[1], v[2] + own_v[2] - own.planned_mps[2],
-        along, planar,
+        v[0] + ov[0] - wv[0], v[1] + ov[1] - wv[1], v[2] + ov[2] - wv[2], along, planar,
     )  # fmt: skip
 
 

@@ -263,6 +263,7 @@ class Tracking(Group):
     """The tracker that makes one relative state of messages and ranges; `tracking/` holds them."""
 
     tracker: str = choice("fused", Tracker)
+    track_range: bool = True  # False: `fused` leaves the range out, to measure what it is worth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -256,8 +256,8 @@ FAMILY = np.dtype(
 )
 
 _CONFIG_FLOATS = (
-    "tick_s decision_s tail_min_s tail_max_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps gust_decay "
-    "gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps start_min_m "
+    "tick_s decision_s tail_min_s tail_max_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps "
+    "gust_decay gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps start_min_m "
     "start_max_m time_to_approach_max_s horizontal_offset_m vertical_offset_m conflict_offset_m altitude_m "
     "altitude_band_m process_noise_m2 process_noise_psi_m2 bearing_inflation prior_range_m prior_std_m "
     "node_prior_range_m node_prior_std_m range_floor_m "
@@ -320,7 +320,7 @@ def allocate(params: Params, families: np.ndarray, n: int) -> World:
         links=np.zeros((n, links), LINK),
         contacts=np.zeros((n, k), CONTACT),
         mail=np.zeros((n, k, 1 + int(record["latency_ticks"][0])), MESSAGE),
-        memories=np.zeros((n, k, tracking.memory_columns(params, params.tracking.tracker))),
+        memories=np.zeros((n, k, tracking.memory_columns(params.tracking.tracker))),
         tracks=np.zeros((n, k), tracking.TRACK),
         model=tracking.model(params),
         used=used,
@@ -348,10 +348,12 @@ def normal_streams(params: Params, used: np.ndarray) -> tuple[np.ndarray, np.nda
     g = [global_link(k, int(link)) for link in used]
     tick = [streams.STREAM_TICK + 2 * link + part for link in g for part in (0, 1)]
 
-    # Gust, velocity and, where it is used, GNSS of each axis, then the barometer; in the plane nothing has errors upwards.
+    # Gust, velocity and, where it is used, GNSS of each axis, then the barometer; in the plane nothing errs upwards.
     def processes(a: int) -> list[int]:
         uses_gnss = (params.navigation.intruder if a else params.navigation.agent) == "gnss"
-        axes = [[axis, 6 + axis, *([3 + axis] if uses_gnss else [])] for axis in range(2 if params.encounter.planar else 3)]
+        axes = [
+            [axis, 6 + axis, *([3 + axis] if uses_gnss else [])] for axis in range(2 if params.encounter.planar else 3)
+        ]
         return [process for axis in axes for process in axis] + ([] if params.encounter.planar else [9])
 
     aircraft = [streams.STREAM_AIRCRAFT + 10 * a + process for a in range(1 + k) for process in processes(a)]

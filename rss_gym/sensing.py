@@ -5,8 +5,8 @@ True states enter only with information `oracle`, in the functions that say so.
 
 from math import sqrt
 
-from rss_gym.jit import inner, kernel
 from rss_gym.encounters.sampler import leg_at, planned
+from rss_gym.jit import inner, kernel
 from rss_gym.lanes import departure
 from rss_gym.physics.geometry import assign
 from rss_gym.records import ORACLE

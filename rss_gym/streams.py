@@ -58,7 +58,5 @@ STREAMS: Final = {
         STREAM_COMPLICATION, MAX_INTRUDERS, "intruder k at + k; index: as in `encounters.complication`"
     ),
     "message": Stream(STREAM_MESSAGE, MAX_INTRUDERS, "whether a message of intruder k is lost, at + k; index: tick"),
-    "road": Stream(
-        STREAM_ROAD, ROAD_STREAMS * ROAD_VEHICLES, "vehicle n of a road at + 16 (n + 1), its agent n = -1"
-    ),
+    "road": Stream(STREAM_ROAD, ROAD_STREAMS * ROAD_VEHICLES, "vehicle n of a road at + 16 (n + 1), its agent n = -1"),
 }

@@ -11,6 +11,7 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.alerts import add_up, alert, witness
+from rss_gym.cost import conclude, is_finite, potential_m
 from rss_gym.encounters.complication import complicate
 from rss_gym.encounters.sampler import draw
 from rss_gym.flight import command, follow_plan, measure, meet, move, plan, steer
@@ -23,7 +24,6 @@ from rss_gym.physics.geometry import assign, zero
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.random import episode_key, fill_normals, normal, uniform
 from rss_gym.records import DEAD_RECKONING, GNSS, ORACLE, RANGES, RSS
-from rss_gym.cost import conclude, is_finite, potential_m
 from rss_gym.sensing import reveal_track, sense_row
 from rss_gym.streams import MAX_INTRUDERS, NODES, STREAM_EPISODE, STREAM_START_AIRCRAFT, STREAM_START_LINK
 from rss_gym.tracking.advance import advance
@@ -54,9 +54,14 @@ def start(world, seen, mask, split, seeds, numbers, observations):
             start_filter(config, block, links[world.used[n]], world.used[n] >= config.intruders)
         assess(config, block, aircraft, links)
         for r in range(block.rows):
-            alert_row(world, r)
+            row, e = block.row[r], world.episode[block.row[r]]
+            for k in range(e.intruders):
+                alert(
+                    config, e, k, world.contacts[row, k], world.aircraft[row, 1 + k], aircraft[0], aircraft[1 + k],
+                    contacts[k], links[k], world.mail[row, k, slot(config, 0)], world.mail[row, k, slot(config, 1)], r,
+                )  # fmt: skip
             store(world, r)
-            world.episode[block.row[r]].potential_m = potential_m(world, block.row[r])
+            e.potential_m = potential_m(world, row)
         observe(world, seen, observations)
     return -1
 
@@ -93,12 +98,18 @@ def decide(world, seen, skip, actions, observations, rewards):
             for n in range(len(world.used)):
                 estimate(config, block, links[world.used[n]])
             for r in range(block.rows):
-                e = world.episode[block.row[r]]
+                row, e = block.row[r], world.episode[block.row[r]]
                 if block.flown[r] == tick + 1:
                     for k in range(e.intruders):
                         witness(config, block, e, contacts[k], r)
                     add_up(config, block, e, r)
-                    alert_row(world, r)
+                    now, oldest = slot(config, e.tick), slot(config, e.tick + 1)
+                    for k in range(e.intruders):  # a function of the whole world would count references at every call
+                        alert(
+                            config, e, k, world.contacts[row, k], world.aircraft[row, 1 + k],
+                            aircraft[0], aircraft[1 + k], contacts[k], links[k],
+                            world.mail[row, k, now], world.mail[row, k, oldest], r,
+                        )  # fmt: skip
                     if e.collision:
                         store(world, r)
         for r in range(block.rows):
@@ -117,17 +128,9 @@ def decide(world, seen, skip, actions, observations, rewards):
 
 
 @inner(forceinline=True)
-def alert_row(world, r):
-    """Warnings and messages of lane r."""
-    config, i, lanes = world.config[0], world.block[0].row[r], world.aircraft_lanes
-    e, now, oldest = world.episode[i], 0, 0  # the places of messages in the ring of those on their way
-    if config.latency_ticks > 0:
-        now, oldest = e.tick % (config.latency_ticks + 1), (e.tick + 1) % (config.latency_ticks + 1)
-    for k in range(e.intruders):
-        contact, craft = world.contacts[i, k], world.aircraft[i, 1 + k]
-        leaving, arriving = world.mail[i, k, now], world.mail[i, k, oldest]
-        heard, link = world.contact_lanes[k], world.link_lanes[k]
-        alert(config, e, k, contact, craft, lanes[0], lanes[1 + k], heard, link, leaving, arriving, r)
+def slot(config, tick):
+    """Where the message of a tick lies in the ring of those on their way."""
+    return tick % (config.latency_ticks + 1) if config.latency_ticks > 0 else 0
 
 
 @inner
@@ -315,16 +318,17 @@ def listen(config, block, aircraft, contacts, links, used):
 @inner(forceinline=True)
 def drift(world, i):
     """Advance the slow processes by one decision: path loss factors, gusts, errors of navigation."""
-    config, e, normals = world.config[0], world.episode[i], world.decision_normals[i]
+    config, e = world.config[0], world.episode[i]
     number, channel = e.tick // config.ticks_per_decision, world.channels[e.channel]
     if number % 4 == 0:
-        fill_normals(e.key, world.decision_streams, number // 4, normals)
+        fill_normals(e.key, world.decision_streams, number // 4, world.decision_normals[i])
     at = number % 4  # of the normals, in the order of `records.normal_streams`: four of each
     if config.wanders:
         for n in range(len(world.used)):
             if owner(config, world.used[n]) <= e.intruders:
                 link = world.links[i, world.used[n]]
-                link.wander = gauss_markov(link.wander, channel.wander_decay, channel.wander_drive, normals[at])
+                normal_ = world.decision_normals[i, at]
+                link.wander = gauss_markov(link.wander, channel.wander_decay, channel.wander_drive, normal_)
             at += 4
     for a in range(1 + e.intruders):
         # The velocity is known from dead reckoning, or from the radio's broadcast solution.
@@ -334,14 +338,19 @@ def drift(world, i):
         craft = world.aircraft[i, a]
         gust, gnss, velocity = craft.gust_mps, craft.gnss_error_m, craft.velocity_error_mps
         for axis in range(2 if config.planar else 3):  # in the plane nothing has errors upwards
-            gust[axis] = gauss_markov(gust[axis], config.gust_decay, config.gust_drive_mps, normals[at])
-            velocity[axis] = gauss_markov(velocity[axis], velocity_a, velocity_drive, normals[at + 4])
+            first, second = world.decision_normals[i, at], world.decision_normals[i, at + 4]
+            gust[axis] = gauss_markov(gust[axis], config.gust_decay, config.gust_drive_mps, first)
+            velocity[axis] = gauss_markov(velocity[axis], velocity_a, velocity_drive, second)
             at += 8
             if mode == GNSS:
-                gnss[axis] = gauss_markov(gnss[axis], config.gnss_decay, config.gnss_drive, normals[at])
+                third = world.decision_normals[i, at]
+                gnss[axis] = gauss_markov(gnss[axis], config.gnss_decay, config.gnss_drive, third)
                 at += 4
         if not config.planar:
             craft.barometer_error_m = gauss_markov(
-                craft.barometer_error_m, config.barometer_decay, config.barometer_drive, normals[at]
+                craft.barometer_error_m,
+                config.barometer_decay,
+                config.barometer_drive,
+                world.decision_normals[i, at],
             )
             at += 4

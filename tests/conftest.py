@@ -12,16 +12,16 @@ from hypothesis import settings
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("MPLBACKEND", "Agg")
 
-# The first example may compile a kernel, so there is no deadline; in CI every run draws the same examples.
-settings.register_profile("dev", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True)
-settings.load_profile("ci" if os.environ.get("CI") else "dev")
+# Every run draws the same examples; `make explore` draws fresh ones. The first may compile a kernel: no deadline.
+settings.register_profile("same", deadline=None, derandomize=True)
+settings.register_profile("explore", deadline=None, max_examples=1000, print_blob=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "docs"))  # the scripts there are tested too
 
 IDS = ("rss_gym/Encounter-v0", "rss_gym/Encounter3D-v0", "rss_gym/EncounterRangeOnly-v0")
-TRACKS = ("oracle", "paper", "range")
-ACTIONS = ("displacement", "velocity", "discrete")
+INFORMATION = ("oracle", "positions", "ranges")
+ACTIONS = ("velocity", "discrete")
 
 
 @pytest.fixture(params=IDS, ids=lambda name: name.partition("/")[2])
@@ -30,9 +30,9 @@ def env_id(request):
     return request.param
 
 
-@pytest.fixture(params=TRACKS)
-def track(request):
-    """Every track."""
+@pytest.fixture(params=INFORMATION)
+def information(request):
+    """Every level of information."""
     return request.param
 
 

@@ -49,24 +49,24 @@ def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):
     assert rate["n"] == 50 and 0.0 <= rate["low"] <= rate["value"] <= rate["high"] <= 1.0
 
 
-def test_all_on_several_tracks(capsys, tmp_path):
+def test_all_on_several_levels_of_information(capsys, tmp_path):
     folder = tmp_path / "runs" / "all"
-    arguments = ["--policy", "all", "--track", "paper", "range", "--episodes", "5", "--out", str(folder)]
+    arguments = ["--policy", "all", "--information", "positions", "ranges", "--episodes", "5", "--out", str(folder)]
     status, out, _ = run(capsys, "eval", *arguments)
-    assert status == 0 and sorted(path.name for path in folder.iterdir()) == ["paper", "range"]
-    for track in ("paper", "range"):
-        assert f"scores: {folder / track / 'scores.json'}" in out
-        scores = json.loads((folder / track / "scores.json").read_text())
-        flown = {policy["name"]: policy["track"] for policy in scores["policies"]}
-        able = set(baselines.able(Params.of(track=track)))
-        assert set(flown) == able and set(flown.values()) == {track}
+    assert status == 0 and sorted(path.name for path in folder.iterdir()) == ["positions", "ranges"]
+    for level in ("positions", "ranges"):
+        assert f"scores: {folder / level / 'scores.json'}" in out
+        scores = json.loads((folder / level / "scores.json").read_text())
+        flown = {policy["name"]: policy["information"] for policy in scores["policies"]}
+        able = set(baselines.able(Params.of(information=level)))
+        assert set(flown) == able and set(flown.values()) == {level}
     assert "orca" in flown and "modified-orthogonal" in flown
 
 
 def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(capsys, tmp_path, monkeypatch):
     module = importlib.import_module("rss_gym.eval.evaluate")  # its name in the package is the function's
     monkeypatch.setattr(module, "fly_blocks", lambda *_: pytest.fail("flown"))
-    arguments = ["--policy", "cbf+none", "--track", "paper", "range", "--out", str(tmp_path / "run")]
+    arguments = ["--policy", "cbf+none", "--information", "positions", "ranges", "--out", str(tmp_path / "run")]
     status, out, err = run(capsys, "eval", *arguments)
     assert status == 2 and not out and "cannot fly on track 'range'" in err and not list(tmp_path.iterdir())
 
@@ -81,7 +81,9 @@ def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(c
         (["--policy", "none", "--workers", "0"], ["workers", "0"]),
         (["--policy", "none", "--suite", "encounter-v1"], ["'encounter-v1'", "encounter-v0"]),
         (["--policy", "none", "--channel", "quadcoptr"], ["'quadcoptr'", "did you mean 'quadcopter'"]),
-        (["--policy", "none", "--track", "blind"], ["track", "'blind'"]),
+        (["--policy", "none", "--information", "blind"], ["information", "'blind'"]),
+        (["--policy", "none", "--tracker", "bearing"], ["'bearing'", "did you mean 'bearings'"]),
+        (["--policy", "none", "--tracker", "bearings"], ["tracker 'bearings'", "information"]),
         (["--policy", "none", "--families", "crosing"], ["'crosing'", "did you mean 'crossing'"]),
         (["--policy", "modified-orthogonal"], ["modified-orthogonal", "track 'range'"]),
         (["--policy", "json:loads"], ["json:loads"]),
@@ -89,9 +91,9 @@ def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(c
         (["--policy", "none", "none"], ["'none'", "twice"]),
         (["--policy", "all", "orca"], ["'orca'", "twice"]),
         (["--policy", "climb"], ["'climb'", "space", "planar"]),
-        (["--policy", "none", "--track", "paper", "paper"], ["track", "'paper'", "twice"]),
-        (["--policy", "none", "--track", "paper", "--episodes", "0"], ["episodes"]),
-        (["--policy", "none", "--episodes", "2", "--track", "paper", "blind"], ["track", "'blind'"]),
+        (["--policy", "none", "--information", "ranges", "ranges"], ["information", "'ranges'", "twice"]),
+        (["--policy", "none", "--information", "ranges", "--episodes", "0"], ["episodes"]),
+        (["--policy", "none", "--episodes", "2", "--information", "ranges", "blind"], ["information", "'blind'"]),
     ],
 )
 def test_bad_input_is_one_sentence(capsys, tmp_path, arguments, words):

@@ -19,19 +19,22 @@ SEED = 1000
 EVENTS = {1: 750, 2: 750, 7: 750, 64: 230}
 COLUMNS = (*INFO, "is_success")
 RESET, STEP = 0, 1
-# Besides every id on every track, whatever adds records or draws.
+# Besides every id on every level of information, whatever adds records or draws.
 VARIANTS = {
-    "velocity": {"action": "velocity", "track": "range"},
+    "latest": {"tracker": "latest", "estimator": "ekf-white-r"},
+    "late and lost messages": {"message_latency_s": 0.7, "message_loss": 0.3, "announce_s": 8.0, "intruders": 3},
+    "late ranges": {"information": "ranges", "message_latency_s": 0.5, "intruders": 2},
+    "shaped": {"shaping_m": 50.0, "proximity_price_m": 5.0},
     "discrete": {"action": "discrete", "planar": False},
     "intruders": {"intruders": 4, "intruders_min": 1, "planar": False},
     "complications": {"families": ["late-turn", "deceitful", "path-loss-jump", "outage", "merging"], "intruders": 3},
-    "radio": {"channel": ["quadcopter", {"packet_loss": 0.2}], "estimator": "ls", "agent": "rss", "zone": "adaptive"},
+    "radio": {"channel": ["quadcopter", {"packet_loss": 0.2}], "estimator": "ls", "agent": "gnss", "zone": "adaptive"},
 }
 WORLDS = {
     **{
-        f"{name}-{track}": (name, {"track": track})
+        f"{name}-{information}": (name, {"information": information})
         for name in ("Encounter-v0", "Encounter3D-v0", "EncounterRangeOnly-v0")
-        for track in ("oracle", "paper", "range")
+        for information in ("oracle", "positions", "ranges")
     },
     **{name: ("Encounter-v0", keywords) for name, keywords in VARIANTS.items()},
 }
@@ -42,7 +45,7 @@ def actions_of(row, axes):
     """A row's actions, by the number of its own decision: held for eight of them, so that flights differ."""
     generator = np.random.default_rng([row, axes])
     if axes == 0:  # discrete
-        held = generator.integers(5, size=100)
+        held = generator.integers(9, size=100)
     else:
         held = generator.uniform(-1.2, 1.2, (100, axes)).astype(np.float32)
     return held.repeat(8, axis=0)
@@ -148,7 +151,7 @@ def test_rows_are_single_environments(world, mode, n):
 
 
 def test_references_contain_both_ends():
-    flights = single_flights("Encounter-v0-paper", 64)
+    flights = single_flights("Encounter-v0-positions", 64)
     assert flights.terminated.any() and flights.truncated.any()
 
 
@@ -168,7 +171,9 @@ def test_batch_size_and_neighbours_do_not_matter(mode):
 
 
 @pytest.mark.parametrize(
-    "keywords", [{}, {"intruders": 3}, {"agent": "rss", "planar": False}, {"track": "range"}], ids=lambda k: "-".join(k)
+    "keywords",
+    [{}, {"intruders": 3}, {"agent": "gnss", "planar": False}, {"information": "ranges"}],
+    ids=lambda k: "-".join(k),
 )
 def test_policies_meet_the_same_noise(keywords):
     """At every tick (a decision of one tick shows them all) the channel and the gusts are the same, the flights not."""
@@ -192,7 +197,7 @@ def test_policies_meet_the_same_noise(keywords):
                 assert same(one.links[column], two.links[column])
             for column in ("gust_mps", "gnss_error_m", "velocity_error_mps", "barometer_error_m", "planned_m"):
                 assert same(one.aircraft[column][:, : 1 + present], two.aircraft[column][:, : 1 + present]) or (
-                    column == "planned_m" and "track" in keywords  # a hover shifts an intruder's clock
+                    column == "planned_m" and "information" in keywords  # a hover shifts an intruder's clock
                 )
             if tick > 5:
                 assert (one.aircraft["position_m"][0, 0, :2] != two.aircraft["position_m"][0, 0, :2]).all()
@@ -201,7 +206,13 @@ def test_policies_meet_the_same_noise(keywords):
 
 def test_noise_does_not_depend_on_the_rest_of_the_world():
     """Link 0, the first encounter and the agent's errors: whatever the number of intruders and the localisation."""
-    worlds = [{}, {"intruders": 2}, {"intruder": "gnss"}, {"agent": "rss"}, {"track": "oracle", "estimator": "ls"}]
+    worlds = [
+        {},
+        {"intruders": 2},
+        {"intruder": "gnss"},
+        {"agent": "gnss"},
+        {"information": "oracle", "estimator": "ls"},
+    ]
     envs = [EncounterEnv(decision_s=0.1, **keywords) for keywords in worlds]
     for seed in range(3):
         for env in envs:

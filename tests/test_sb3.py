@@ -17,7 +17,12 @@ from rss_gym.params import ParamsError
 from rss_gym.sb3 import make_vec_env
 
 N = 6
-FAST = {"tail_s": 0.0, "start_range_min": 0.8, "start_range_max": 0.9}  # short flights, so that many end
+FAST = {
+    "tail_min_s": 0.0,
+    "tail_max_s": 0.0,
+    "start_range_min": 0.8,
+    "start_range_max": 0.9,
+}  # short flights, so that many end
 
 
 def actions(rng, environment):
@@ -63,11 +68,11 @@ def test_collision_is_no_time_limit():
 def test_terminal_observation_is_of_the_old_episode():
     environment = make_vec_env("rss_gym/Encounter-v0", N, seed=3, **FAST)
     environment.reset()
-    time_s = [field.name for field in fields(environment.params)].index("time_s")
+    offset = [field.name for field in fields(environment.params)].index("way_point_right_m")
     for _ in range(200):
-        observation, _, dones, infos = environment.step(np.zeros((N, 2), np.float32))
+        observation, _, dones, infos = environment.step(np.full((N, 2), [0.0, 0.1], np.float32))
         for row in np.flatnonzero(dones):
-            assert infos[row]["terminal_observation"][time_s] > observation[row][time_s] == 0.0
+            assert infos[row]["terminal_observation"][offset] > observation[row][offset] == 0.0
             return
     raise AssertionError("no episode ended")
 

@@ -237,7 +237,7 @@ def test_mask_touches_its_rows_only(mode):
 
 def test_masked_reset_of_a_row_that_has_ended():
     """In NextStep a row may be reset by hand instead of by the step after its end."""
-    envs = EncounterVectorEnv(2, tail_s=0.0)
+    envs = EncounterVectorEnv(2, tail_min_s=0.0, tail_max_s=0.0)
     envs.reset(seed=0)
     ended = np.zeros(2, bool)
     while not ended.any() or ended.all():

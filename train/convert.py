@@ -12,8 +12,7 @@ from typing import Any
 
 from rss_gym import observation
 from rss_gym.baselines.agent import load
-from rss_gym.baselines.features import FEATURES, names
-from rss_gym.baselines.features.masks import MASKS
+from rss_gym.baselines.masks import MASKS
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS
 from rss_gym.params import Params, ParamsError, suggestion
@@ -70,7 +69,7 @@ def export_model(
     world : mapping, optional
         Parameters that differed from those of the id.
     zeroed : str
-        What it was trained without, one of `rss_gym.baselines.features.masks.MASKS`; the file does not tell.
+        What it was trained without, one of `rss_gym.baselines.masks.MASKS`; the file does not tell.
 
     Returns
     -------
@@ -100,22 +99,20 @@ def export_model(
     except Exception as error:  # of whatever kind: it runs code from the file
         text = " ".join(f"{type(error).__name__}: {error}".split())
         raise ParamsError(f"{os.fspath(path)!r} cannot be read as {kind.name}: {text}") from error
-    stack, features = _seen(model.observation_space.shape[0], params)
-    inputs = Inputs(stack=stack, features=features, zeroed=zeroed)
+    inputs = Inputs(stack=_stacked(model.observation_space.shape[0], params), zeroed=zeroed)
     return export(model, params, out, inputs, training={"source": Path(path).name})
 
 
-def _seen(width: int, params: Params) -> tuple[int, str]:
-    """How many observations stacked, and which features, make so many numbers."""
+def _stacked(width: int, params: Params) -> int:
+    """How many observations stacked make so many numbers."""
     fields = len(observation.fields(params))
-    for kind in (name for name, features in FEATURES.items() if features.fits(params)):
-        stack, rest = divmod(width - len(names(kind, params)), fields)
-        if stack >= 1 and not rest:
-            return stack, kind
-    raise ParamsError(
-        f"the model does not fit the world: it sees {width} numbers, not a multiple of {fields}, with or without "
-        "features; name the environment it was trained in (--env) and what differed from it (--set intruders=2)"
-    )
+    stack, rest = divmod(width, fields)
+    if rest or not stack:
+        raise ParamsError(
+            f"the model does not fit the world: it sees {width} numbers, not a multiple of {fields}; name the "
+            "environment it was trained in (--env) and what differed from it (--set intruders=2)"
+        )
+    return stack
 
 
 def kind_of(path: str | os.PathLike[str]) -> str:

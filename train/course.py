@@ -40,7 +40,7 @@ class Course(VecEnvWrapper):
     def __init__(self, params: Params, n_envs: int, seed: int) -> None:
         super().__init__(EncounterVecEnv(n_envs, params))
         self.first_seed, self.spent_s = seed, 0.0
-        self._returns, self._deviations_m, self._lengths = np.zeros((3, n_envs))
+        self._returns, self._lengths = np.zeros((2, n_envs))
         self.begin(np.zeros(n_envs, np.uint64))
 
     @property
@@ -62,7 +62,7 @@ class Course(VecEnvWrapper):
 
     def reset(self) -> np.ndarray:
         """Start an episode in every row; (n, d) float32."""
-        for total in (self._returns, self._deviations_m, self._lengths):
+        for total in (self._returns, self._lengths):
             total[:] = 0.0
         return self.venv.reset()
 
@@ -78,18 +78,15 @@ class Course(VecEnvWrapper):
         observations, rewards, dones, infos = self.venv.step_wait()
         self.spent_s += perf_counter() - start
         ended = np.flatnonzero(dones)
-        deviations_m = self.venv.batch.info("deviation_m")  # of the new episode where one has ended
-        deviations_m[ended] = [infos[row]["deviation_m"] for row in ended]
         self._returns += rewards
-        self._deviations_m += deviations_m
         self._lengths += 1.0
         for row in ended:
             infos[row]["episode"] = {
                 "r": float(self._returns[row]),
                 "l": int(self._lengths[row]),
                 "collision": infos[row]["collision"],
-                "deviation_m": float(self._deviations_m[row] / self._lengths[row]),
+                "deviation_m": infos[row]["deviation_mean_m"],
             }
-        for total in (self._returns, self._deviations_m, self._lengths):
+        for total in (self._returns, self._lengths):
             total[ended] = 0.0
         return observations, rewards, dones, infos

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.baselines.agent import Agent, load
-from rss_gym.baselines.features import FEATURES, append
-from rss_gym.baselines.features.masks import kept
+from rss_gym.baselines.masks import kept
 from rss_gym.baselines.policy_files import DOCUMENT, FORMAT, WEIGHTS, Network
 from rss_gym.core import Batch, decode
 from rss_gym.files import new_folder
@@ -59,15 +58,12 @@ class Inputs:
         What `VecNormalize` did to all that follows.
     stack : int
         Observations stacked by `VecFrameStack`.
-    features : str
-        What stands behind them, one of `rss_gym.baselines.features.FEATURES`.
     zeroed : str
-        What is taken away before, one of `rss_gym.baselines.features.masks.MASKS`.
+        What is taken away from them, one of `rss_gym.baselines.masks.MASKS`.
     """
 
     normalisation: Normalisation | None = None
     stack: int = 1
-    features: str = "none"
     zeroed: str = "nothing"
 
 
@@ -137,13 +133,13 @@ def _described(model: Any, world: Params, inputs: Inputs) -> tuple[dict[str, Any
     for name, shape in shapes.items():
         if tensors[name].shape != shape:
             raise ParamsError(
-                f"the model does not fit the world: {name} is {tensors[name].shape}, and stack {inputs.stack} with "
-                f"features {inputs.features!r} needs {shape}; name the environment it was trained in"
+                f"the model does not fit the world: {name} is {tensors[name].shape}, and stack {inputs.stack} "
+                f"needs {shape}; name the environment it was trained in"
             )
     document = {
         "format": FORMAT,
         "network": dataclasses.asdict(network),
-        "interface": world.interface.to_dict(),
+        "interface": {"information": world.interface.information},
         "observation": network.inputs(world),
         "training": {},
     }
@@ -163,14 +159,12 @@ def compare(model: Any, folder: Path, world: Params, normalisation: Normalisatio
     batch.seed(np.arange(rows, dtype=np.uint64))
     batch.reset(everything)
     memory, state, first, worst = None, None, everything, 0.0
-    features = FEATURES[agent.network.features](agent.world)
-    told = np.zeros((rows, features.columns))
     mask = kept(agent.network.zeroed, agent.world, agent.network.stack)
     stacked = np.zeros((rows, agent.network.stack * batch.observations.shape[1]))
     for _ in range(OBSERVATIONS // rows):
-        stacked[first] = told[first] = 0.0
+        stacked[first] = 0.0
         stacked = np.concatenate([stacked, batch.observations], axis=1)[:, batch.observations.shape[1] :]
-        seen = append(features, stacked * mask, told)
+        seen = stacked * mask
         seen = seen.astype(np.float32) if normalisation is None else normalisation(seen)
         expected, state = model.predict(seen, state=state, episode_start=first, deterministic=True)
         actions, memory = agent.predict(batch.observations, memory, first)
@@ -215,7 +209,6 @@ def _taken(model: Any, inputs: Inputs) -> tuple[Network, dict[str, np.ndarray]]:
         layers=tuple(layer.out_features for layer in linear),
         activation=activation,
         stack=inputs.stack,
-        features=inputs.features,
         zeroed=inputs.zeroed,
         lstm=units,
         squash=squash,

@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeVar
 
-from rss_gym.baselines.features import FEATURES
-from rss_gym.baselines.features.masks import MASKS
+from rss_gym.baselines.masks import MASKS
 from rss_gym.baselines.policy_files import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
 from rss_gym.params import Group, ParamsError, choice, number, suggestion
 
@@ -137,26 +136,11 @@ class Sac(Hyperparameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pathwise(Hyperparameters):
-    """Of `rss_gym.train.pathwise.algorithm.Pathwise`; a batch is of encounters, and a round flies one in every row."""
-
-    learning_rate: Schedule = field(default=Schedule(1e-3), metadata=within(1e-8, 1.0))
-    batch_size: int = number(1000, 2, 10**6)
-    n_epochs: int = number(2, 1, 1000)
-    max_grad_norm: float = number(10.0, 1e-6, 1e9)
-    miss_cost_m: float = number(1000.0, 0.0, 1e9)
-    miss_m: float = number(8.0, 0.1, 1000.0)
-    window: int = number(130, 2, 10_000)
-    gradient_decay: float = number(0.95, 0.0, 1.0)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PpoNetwork(Hyperparameters):
     """Actor and critic of PPO, each with these layers."""
 
     net_arch: tuple[int, ...] = units(64, 64)
     activation: str = choice("tanh", Activation)
-    features: str = named("none", FEATURES)
     zeroed: str = named("nothing", MASKS)
     log_std_init: float = number(0.0, -10.0, 2.0)
     ortho_init: bool = True
@@ -183,7 +167,6 @@ class SacNetwork(Hyperparameters):
 
     net_arch: tuple[int, ...] = units(256, 256)
     activation: str = choice("relu", Activation)
-    features: str = named("none", FEATURES)
     zeroed: str = named("nothing", MASKS)
     n_critics: int = number(2, 1, 10)
 
@@ -225,8 +208,7 @@ class Imitation(Group):
     critic_steps : int
         So many first decisions of the training teach the critic alone: one that knows nothing spoils the actor.
     competes : bool
-        Whether the imitated policy may be kept as the best. Between policies that the validation does not tell apart in
-        safety the ranking takes the one that deviates less, which in a short validation favours it.
+        Whether the imitated policy may be kept as the best.
     """
 
     policy: str = "mpc"
@@ -267,12 +249,11 @@ class Algorithm:
     module: str
     name: str
     policy_name: str
-    hyperparameters: type[Ppo | Pathwise | Sac]
+    hyperparameters: type[Ppo | Sac]
     network: type[PpoNetwork | SacNetwork]
 
 
 ALGORITHMS: dict[str, Algorithm] = {
-    "pathwise": Algorithm("rss_gym.train.pathwise.algorithm", "Pathwise", "MlpPolicy", Pathwise, PpoNetwork),
     "ppo": Algorithm("stable_baselines3", "PPO", "MlpPolicy", Ppo, PpoNetwork),
     "recurrent-ppo": Algorithm("sb3_contrib", "RecurrentPPO", "MlpLstmPolicy", RecurrentPpo, RecurrentNetwork),
     "sac": Algorithm("stable_baselines3", "SAC", "MlpPolicy", Sac, SacNetwork),

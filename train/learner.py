@@ -19,8 +19,8 @@ from rss_gym.baselines.agent import Agent
 from rss_gym.params import ParamsError
 from rss_gym.train import actor, export
 from rss_gym.train.course import Course
-from rss_gym.train.features import Features
 from rss_gym.train.hyperparameters import ALGORITHMS, Sac
+from rss_gym.train.masked import Masked
 from rss_gym.train.recipe import Recipe
 from rss_gym.train.sb3_arguments import arguments, network
 
@@ -65,8 +65,8 @@ class Learner:
         vec, kind = recipe.vec, ALGORITHMS[recipe.algorithm]
         course = Course(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
         venv: VecEnv = VecFrameStack(course, vec.stack) if vec.stack > 1 else course
-        if (recipe.policy.features, recipe.policy.zeroed) != ("none", "nothing"):
-            venv = Features(venv, recipe.policy.features, recipe.params, recipe.policy.zeroed)
+        if recipe.policy.zeroed != "nothing":
+            venv = Masked(venv, recipe.policy.zeroed, recipe.params)
         if vec.normalise_reward or vec.normalise_observation:
             venv = VecNormalize(
                 venv,
@@ -74,7 +74,7 @@ class Learner:
                 norm_reward=vec.normalise_reward,
                 clip_obs=vec.clip_observation,
                 clip_reward=vec.clip_reward,
-                gamma=getattr(recipe.hyperparameters, "gamma", 0.99),  # `pathwise` follows no reward
+                gamma=recipe.hyperparameters.gamma,
             )
         model = getattr(importlib.import_module(kind.module), kind.name)(
             kind.policy_name,
@@ -85,10 +85,7 @@ class Learner:
             stats_window_size=RECENT,
             **arguments(recipe.hyperparameters),
         )
-        learner = cls(recipe, seed, course, venv, model)
-        if recipe.algorithm == "pathwise":
-            cast(Any, model).fly_in(recipe.params, learner._inputs)
-        return learner
+        return cls(recipe, seed, course, venv, model)
 
     @classmethod
     def saved(cls, recipe: Recipe, seed: int, folder: Path) -> Learner:
@@ -152,8 +149,7 @@ class Learner:
     @property
     def _inputs(self) -> export.Inputs:
         """What stands between the rows and the model, with the normalisation as it is now."""
-        policy = self.recipe.policy
-        return export.Inputs(self.normalisation, self.recipe.vec.stack, policy.features, policy.zeroed)
+        return export.Inputs(self.normalisation, self.recipe.vec.stack, self.recipe.policy.zeroed)
 
     def agent(self) -> Agent:
         """The policy as it is now."""

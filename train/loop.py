@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -25,9 +24,9 @@ from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
 from rss_gym.train.run_record import BEST
 from rss_gym.train.table import Table
-from rss_gym.train.validation import Choice, Validator, safest_from_dict
+from rss_gym.train.validation import Choice, Validator
 
-CHECKPOINT, SAFEST, BEST_MODEL = "checkpoint", "safest.json", "best.zip"
+CHECKPOINT, BEST_MODEL = "checkpoint", "best.zip"
 PROGRESS, VALIDATION, TENSORBOARD = "progress.csv", "validation.csv", "tensorboard"
 LOCK = "lock"
 STEPS = "time/total_timesteps"  # SB3's name
@@ -161,9 +160,6 @@ class Rounds(BaseCallback):
         if (self.folder / BEST).exists():
             agent = load(self.folder / BEST, self.learner.recipe.params)
             self.choice.best = self.validator.score(agent, "best")
-        if (self.folder / CHECKPOINT / SAFEST).exists():
-            text = (self.folder / CHECKPOINT / SAFEST).read_text(encoding="utf-8")
-            self.choice.safest = safest_from_dict(json.loads(text))
         if self.imitates:
             self._validate(competes=self.learner.recipe.imitation.competes)
 
@@ -229,7 +225,7 @@ class Rounds(BaseCallback):
         if better:
             self._keep(row)
         self.validations.add(row)
-        for name in ("collision_rate", "path_deviation_mean_m"):
+        for name in ("cost_m", "collision_rate", "path_deviation_mean_m"):
             self.logger.record(f"validation/{name}", row[name])
         self._say(f"{score}{', the best so far' if better else ''}")
         self.times.validation_s += perf_counter() - start
@@ -245,7 +241,6 @@ class Rounds(BaseCallback):
     def _save(self) -> None:
         with replaced_folder(self.folder / CHECKPOINT) as new:
             self.learner.save(new)
-            (new / SAFEST).write_text(json.dumps(self.choice.safest_to_dict()) + "\n", encoding="utf-8")
 
     def _say(self, text: str) -> None:
         tqdm.write(f"{self.name}, {self.model.num_timesteps:,} steps: {text}")

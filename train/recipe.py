@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from rss_gym import baselines
-from rss_gym.baselines.features import FEATURES
 from rss_gym.baselines.policy import Scripted
 from rss_gym.core import spaces
 from rss_gym.encounters import chosen
@@ -24,7 +23,6 @@ from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
     Imitation,
-    Pathwise,
     Ppo,
     PpoNetwork,
     Sac,
@@ -38,7 +36,7 @@ FOLDER = Path(__file__).parent / "recipes"
 STEPS_MAX = 10**12
 SIZE_MAX = 65536  # bytes
 SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
-IMITATORS = ("ppo", "pathwise")
+IMITATORS = ("ppo",)
 HEAD = ("summary", "algorithm", "env", "steps")
 
 
@@ -78,7 +76,7 @@ class Recipe:
     steps: int
     world: dict[str, Any]
     vec: Vec
-    hyperparameters: Ppo | Pathwise | Sac
+    hyperparameters: Ppo | Sac
     policy: PpoNetwork | SacNetwork
     imitation: Imitation
     curriculum: tuple[Stage, ...]
@@ -89,16 +87,15 @@ class Recipe:
         """Check what several tables decide together."""
         params = self.params
         if params.interface.action == "discrete":
-            raise ParamsError("[world]: action 'discrete' cannot be exported; use displacement or velocity")
-        FEATURES[self.policy.features](params)  # refuses a world that they cannot be computed in
+            raise ParamsError("[world]: action 'discrete' cannot be exported; use velocity")
         for previous, stage in pairwise((Stage(-1.0, {}), *self.curriculum)):
             if stage.start <= previous.start:
                 raise ParamsError(f"[[curriculum]]: start = {stage.start:g} must exceed {previous.start:g} before it")
             later = self._with(stage.world)
             if later.interface != params.interface or spaces(later) != spaces(params):
                 raise ParamsError(
-                    f"[[curriculum]]: the stage from {stage.start:g} changes what the policy sees or does; track, "
-                    "action, planar and intruders belong to [world]"
+                    f"[[curriculum]]: the stage from {stage.start:g} changes what the policy sees or does; "
+                    "information, action, planar and intruders belong to [world]"
                 )
         if isinstance(self.hyperparameters, Ppo):
             total = self.hyperparameters.n_steps * self.vec.n_envs
@@ -107,8 +104,6 @@ class Recipe:
                     f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got "
                     f"{self.hyperparameters.batch_size}"
                 )
-        if isinstance(self.hyperparameters, Pathwise):
-            self._check_pathwise(self.hyperparameters)
         if self.imitation.episodes:
             if self.algorithm not in IMITATORS:
                 raise ParamsError(
@@ -116,26 +111,6 @@ class Recipe:
                     f"{self.algorithm!r}"
                 )
             _ = self.teacher  # refuses what cannot be imitated
-
-    def _check_pathwise(self, table: Pathwise) -> None:
-        """Refuse what the gradient through the flight does not know."""
-        params = self.params
-        found = {
-            "[world]: intruders": (params.encounter.intruders, 1),
-            "[world]: action": (params.interface.action, "velocity"),
-            "[vec]: stack": (self.vec.stack, 1),
-            "[vec]: normalise_observation": (self.vec.normalise_observation, False),
-            "[imitation]: critic_steps": (self.imitation.critic_steps, 0),
-            "[[curriculum]]: stages": (len(self.curriculum), 0),
-        }
-        for name, (given, needed) in found.items():
-            if given != needed:
-                raise ParamsError(f"{name} must be {needed!r} with algorithm 'pathwise', got {given!r}")
-        if table.batch_size > self.vec.n_envs:
-            raise ParamsError(
-                f"[algorithm]: batch_size must be at most n_envs = {self.vec.n_envs}, the encounters of a round, got "
-                f"{table.batch_size}"
-            )
 
     @property
     def teacher(self) -> Scripted:
@@ -154,14 +129,11 @@ class Recipe:
         if not isinstance(teacher, Scripted):
             raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
         found = teacher.world.interface
-        fields = ["track", "action"] + ["reach_m"] * (found.action == "displacement")
-        for field in fields:
-            given, needed = getattr(wanted, field), getattr(found, field)
-            if given != needed:
-                raise ParamsError(
-                    f"[imitation]: policy {name!r} flies with {field} = {needed!r}, and [world] has {given!r}; set one "
-                    "to the other"
-                )
+        if found.information != wanted.information:
+            raise ParamsError(
+                f"[imitation]: policy {name!r} flies with information = {found.information!r}, and [world] has "
+                f"{wanted.information!r}; set one to the other"
+            )
         return teacher
 
     @property

@@ -147,10 +147,13 @@ def best_seed(folder: str | os.PathLike[str]) -> tuple[Path, str]:
         raise ParamsError(f"run {str(folder)!r} has no agent yet: its first validation is still to come")
     scores = {name: validator.score(agent, name) for name, agent in found.items()}
     places = ranked(scores)
+    if places[0].place is None:
+        raise ParamsError(f"run {str(folder)!r} has no agent to rank: each gave actions that are not finite")
     lines = [f"{recipe.validation.episodes} encounters of split validation, 95 % intervals; best first:"]
     for place in places:
         steps = found[place.name].document["training"]["validation"]["steps"]
-        lines.append(f"  {place.place}. {place.name}, {steps:,} steps: {scores[place.name]}")
+        number = "-" if place.place is None else f"{place.place}."
+        lines.append(f"  {number} {place.name}, {steps:,} steps: {scores[place.name]}")
     return root / places[0].name / BEST, "\n".join(lines)
 
 

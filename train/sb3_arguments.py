@@ -8,10 +8,10 @@ from typing import Any
 from stable_baselines3.common.utils import LinearSchedule
 from torch import nn
 
-from rss_gym.train.hyperparameters import Pathwise, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.hyperparameters import Ppo, PpoNetwork, Sac, SacNetwork, Schedule
 
 
-def arguments(table: Ppo | Pathwise | Sac) -> dict[str, Any]:
+def arguments(table: Ppo | Sac) -> dict[str, Any]:
     """Keywords of the algorithm."""
     found: dict[str, Any] = {}
     for item in dataclasses.fields(table):
@@ -26,6 +26,6 @@ def arguments(table: Ppo | Pathwise | Sac) -> dict[str, Any]:
 def network(table: PpoNetwork | SacNetwork) -> dict[str, Any]:
     """Keywords of its policy."""
     found = table.to_dict()
-    del found["features"], found["zeroed"]  # of the rows
+    del found["zeroed"]  # of the rows
     found["activation_fn"] = {"tanh": nn.Tanh, "relu": nn.ReLU}[found.pop("activation")]
     return found

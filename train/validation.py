@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from rss_gym.baselines import make
+from rss_gym.eval.costs import SCORE, cost_m
 from rss_gym.eval.episodes import Block, fly
 from rss_gym.eval.evaluate import BLOCK
 from rss_gym.eval.metrics import Estimate, Flights, measure
@@ -18,7 +19,7 @@ from rss_gym.eval.text import cell
 from rss_gym.params import Params
 
 SPLIT, SEED = "validation", 0
-METRICS = ("collision_rate", "path_deviation_mean_m", "risk_ratio_upper")
+METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,33 +40,37 @@ class Score:
     @property
     def collisions(self) -> int:
         """How many."""
-        return int(np.count_nonzero(self.candidate.collision))
+        return int(np.count_nonzero(self.candidate.costs.collision))
 
     def __str__(self) -> str:
-        """Rate of collisions with its interval, and mean deviation."""
-        rate = cell(self.metrics["collision_rate"], 1.0, ".2e")
+        """Cost and rate of collisions with their intervals, and mean deviation."""
+        cost, rate = cell(self.metrics["cost_m"], 1.0, ".2f"), cell(self.metrics["collision_rate"], 1.0, ".2e")
+        faults = f", {self.candidate.faults:,} FAULTS, not ranked" if self.candidate.faults else ""
         return (
-            f"collisions {self.collisions} of {len(self.candidate.collision)}, {rate}, "
-            f"deviation {self.candidate.path_deviation_mean_m:.2f} m"
+            f"cost {cost} m, collisions {self.collisions} of {len(self.candidate.costs)}, {rate}, "
+            f"deviation {self.metrics['path_deviation_mean_m'].value:.2f} m{faults}"
         )
 
     def to_dict(self) -> dict[str, Any]:
         """One row of `validation.csv`."""
-        rate = self.metrics["collision_rate"]
+        rate, cost = self.metrics["collision_rate"], self.metrics["cost_m"]
         return {
-            "episodes": len(self.candidate.collision),
+            "episodes": len(self.candidate.costs),
             "faults": self.candidate.faults,
+            "cost_m": cost.value,
+            "cost_low_m": cost.low,
+            "cost_high_m": cost.high,
             "collisions": self.collisions,
             "collision_rate": rate.value,
             "collision_rate_low": rate.low,
             "collision_rate_high": rate.high,
-            "risk_ratio_upper": self.candidate.risk_ratio_upper,
-            "path_deviation_mean_m": self.candidate.path_deviation_mean_m,
+            "snmac_rate": self.metrics["snmac_rate"].value,
+            "path_deviation_mean_m": self.metrics["path_deviation_mean_m"].value,
         }
 
 
 class Validator:
-    """The encounters, the same for every policy.
+    """The encounters, the same for every policy, scored by the prices of the suites, whatever the training's are.
 
     Parameters
     ----------
@@ -87,10 +92,12 @@ class Validator:
         ------
         PolicyError
             When it raises or returns no batch of actions.
+        NotFiniteError
+            When a state of the world is not finite.
         """
-        zone = self.world.zone
+        zone, table = self.world.zone, self._flown(policy, name)
         flights = Flights(
-            table=self._flown(policy, name),
+            table=table,
             none=self._none,
             reference=None,
             suite_radius_m=zone.radius_m,
@@ -98,14 +105,16 @@ class Validator:
             range_error_probability=zone.range_error_probability,
             reaction_s=zone.reaction_s,
         )
-        return Score(Candidate.of(name, flights), measure(flights, METRICS))
+        return Score(Candidate.of(name, table, SCORE), measure(flights, METRICS))
 
     @cached_property
     def _none(self) -> np.ndarray:
         return self._flown(make("none", self.world), "none")
 
     def _flown(self, policy: Any, name: str) -> np.ndarray:
-        return np.concatenate([fly(policy, name, self.world, block)[0] for block in self._blocks])
+        table = np.concatenate([fly(policy, name, self.world, block)[0] for block in self._blocks])
+        table["cost_m"] = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"])
+        return table
 
 
 def ranked(scores: Mapping[str, Score]) -> list[Place]:
@@ -114,49 +123,22 @@ def ranked(scores: Mapping[str, Score]) -> list[Place]:
 
 
 class Choice:
-    """Which of the policies that come one after the other is kept.
-
-    A new one takes the place of the best if the ranking puts it first among itself, the best and the safest of all so
-    far. Against the best alone, one that is a little less safe but nearer the path could win again and again, each time
-    within the error of the test, and the policy become worse and worse.
+    """Which of the policies that come one after the other is kept: the cheapest, the earlier one of equals.
 
     Parameters
     ----------
     best : Score, optional
         The policy that is kept.
-    safest : Candidate, optional
-        The safest of all, if that is not the best.
     """
 
-    def __init__(self, best: Score | None = None, safest: Candidate | None = None) -> None:
-        self.best, self.safest = best, safest
+    def __init__(self, best: Score | None = None) -> None:
+        self.best = best
 
     def takes(self, score: Score) -> bool:
         """Whether `score` is now the best."""
-        new = replace(score.candidate, name="new")
-        best = None if self.best is None else replace(self.best.candidate, name="best")
-        entries = [entry for entry in (new, best, self.safest) if entry is not None]
-        taken = best is None or rank(entries)[0].name == "new"
-        safest = min(entries, key=lambda entry: (entry.faults, entry.safety))
-        self.safest = None if safest is (new if taken else best) else replace(safest, name="safest")
-        if taken:
-            self.best = score
-        return taken
-
-    def safest_to_dict(self) -> dict[str, Any] | None:
-        """The safest, if it is not the best, in plain JSON types."""
-        if self.safest is None:
-            return None
-        table = {field.name: getattr(self.safest, field.name) for field in fields(Candidate)}
-        return table | {
-            "episode": len(self.safest.episode),
-            "collision": np.flatnonzero(self.safest.collision).tolist(),
-        }
-
-
-def safest_from_dict(table: Mapping[str, Any] | None) -> Candidate | None:
-    """What `Choice.safest_to_dict` wrote."""
-    if table is None:
-        return None
-    episode = np.arange(table["episode"], dtype=np.uint64)
-    return Candidate(**{**table, "episode": episode, "collision": np.isin(episode, table["collision"])})
+        if self.best is not None:
+            entries = [replace(self.best.candidate, name="1"), replace(score.candidate, name="2")]
+            if rank(entries, differences=False)[0].name == "1":
+                return False
+        self.best = score
+        return True

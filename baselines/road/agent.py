@@ -19,12 +19,17 @@ from rss_gym.baselines.road.policy import World
 from rss_gym.highway import observation
 from rss_gym.params import ParamsError
 
-INTERFACE = ("track", "radio", "actions")
+INTERFACE = ("information", "radio", "actions")
 
 
 def inputs(world: World) -> list[str]:
     """Names of the fields of the observation."""
     return [field.name for field in observation.fields(world.params)]
+
+
+def of_vehicles(world: World) -> np.ndarray:
+    """Which fields (d,) are of vehicles: what a blind driver does not see."""
+    return np.array([name.startswith("vehicle_") for name in inputs(world)])
 
 
 def shapes(layers: tuple[int, ...], world: World) -> dict[str, tuple[int, ...]]:
@@ -46,15 +51,13 @@ class RoadAgent:
         As `shapes` has them.
     activation : str
         Of the hidden layers, one of `ACTIVATIONS`.
-    radio : bool
-        Whether it was trained with the vehicles' fields.
     digest : str
         SHA-256 of both files.
     """
 
-    def __init__(self, tensors: dict[str, np.ndarray], activation: str, radio: bool, digest: str = "") -> None:
+    def __init__(self, tensors: dict[str, np.ndarray], activation: str, digest: str = "") -> None:
         count = len(tensors) // 2
-        self.keywords: dict[str, Any] = {} if radio else {"radio": False}
+        self.keywords: dict[str, Any] = {}  # as the scripted drivers' are
         self.digest = digest
         self._weights = tuple(np.ascontiguousarray(tensors[f"{i}.weight"], np.float64) for i in range(count))
         self._biases = tuple(np.ascontiguousarray(tensors[f"{i}.bias"], np.float64) for i in range(count))
@@ -82,7 +85,7 @@ def load(folder: str | os.PathLike[str], world: World, called: str | None = None
     ------
     ParamsError
         For a missing, truncated or foreign file, an unknown or missing field, a value out of bounds, a tensor of
-        another shape or with a value that is not finite, or a road or track that it was not made for.
+        another shape or with a value that is not finite, or a road, information or blindness that it was not made for.
     """
     try:
         text, blob = files.read(Path(folder))
@@ -91,22 +94,27 @@ def load(folder: str | os.PathLike[str], world: World, called: str | None = None
         files.same_names(f"{files.DOCUMENT}, interface", interface, INTERFACE)
         if not isinstance(interface["radio"], bool):
             raise ParamsError(f"{files.DOCUMENT}, interface: radio must be true or false, got {interface['radio']!r}")
-        track = world.params.interface.track
-        if interface["track"] != track:
+        information = world.params.interface.information
+        if interface["information"] != information:
             raise ParamsError(
-                f"{files.DOCUMENT}: it was made for track {interface['track']!r}, and this road has {track!r}"
+                f"{files.DOCUMENT}: it was made for information {interface['information']!r}, and this road has "
+                f"{information!r}"
             )
+        if interface["radio"] and not world.radio:
+            raise ParamsError(f"{files.DOCUMENT}: it was made to see the vehicles, and this road has radio = false")
         if document["observation"] != inputs(world) or interface["actions"] != list(world.actions):
             raise ParamsError(
                 f"{files.DOCUMENT}: it was made for {len(document['observation'])} fields and actions "
                 f"{interface['actions']!r}, and this road has {len(inputs(world))} and {list(world.actions)}; scene, "
-                "vehicles and track must be as in training"
+                "vehicles and information must be as in training"
             )
         if network.lstm or network.stack != 1 or network.squash or network.clip:
             raise ParamsError(f"{files.DOCUMENT}, network: on a road only dense layers are supported")
         if network.zeroed != "nothing":
             raise ParamsError(f"{files.DOCUMENT}, network: zeroed must be 'nothing' on a road, got {network.zeroed!r}")
         tensors = files.tensors_of(blob, shapes(network.layers, world))
+        if not interface["radio"] and tensors["0.weight"][of_vehicles(world)].any():
+            raise ParamsError(f"{files.DOCUMENT}, interface: radio is false, but its weights read the vehicles' fields")
     except ParamsError as error:
         raise ParamsError(f"{called or f'policy folder {os.fspath(folder)!r}'}: {error}") from error
-    return RoadAgent(tensors, network.activation, interface["radio"], hashlib.sha256(text + blob).hexdigest())
+    return RoadAgent(tensors, network.activation, hashlib.sha256(text + blob).hexdigest())

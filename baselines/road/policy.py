@@ -21,16 +21,19 @@ class World:
         Of the sensor, which decide the fields of the observation.
     actions : tuple of str
         highway-env's names of the discrete actions, in their order: LANE_LEFT, IDLE, LANE_RIGHT, FASTER, SLOWER.
+    radio : bool
+        Whether the vehicles' fields are written.
     """
 
     params: Params
     actions: tuple[str, ...]
+    radio: bool = True
 
     @classmethod
     def of(cls, env: Any) -> World:
         """Of a `RoadEnv`."""
         kinds = getattr(env.road.action_type, "actions", {})
-        return cls(env.params, tuple(kinds[index] for index in sorted(kinds)))
+        return cls(env.params, tuple(kinds[index] for index in sorted(kinds)), env.ranging.radio)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +43,7 @@ class Driver(Group):
     world: World
 
     keywords: ClassVar[dict[str, Any]] = {}  # what the environment must be made with
+    information: ClassVar[str | None] = None  # what it is told if that is not what the observation holds
 
     def act(self, seen: dict[str, np.ndarray]) -> str:
         """The action for one observation in SI units, own fields (), those of the vehicles (K,)."""
@@ -71,3 +75,4 @@ class Idm(Nothing):
     """highway-env's own driver on true states: IDM for the speed, MOBIL for the lane."""
 
     keywords: ClassVar[dict[str, Any]] = {"driver": "idm"}
+    information: ClassVar[str | None] = "oracle"

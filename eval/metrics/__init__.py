@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rss_gym.eval.metrics.alert_lead_time import ALERT_LEAD_TIME_P5_S, ALERT_LEAD_TIME_P50_S, NEVER_ALERTED_RATE
-from rss_gym.eval.metrics.cost import COST_MEAN
+from rss_gym.eval.metrics.cost import COST_M
 from rss_gym.eval.metrics.event_rate import COLLISION_RATE, SNMAC_RATE, ZONE_VIOLATION_RATE
 from rss_gym.eval.metrics.extra_path import EXTRA_PATH
 from rss_gym.eval.metrics.false_alert_rate import FALSE_ALERT_RATE_PH
@@ -30,24 +30,24 @@ from rss_gym.eval.metrics.path_deviation import (
     PATH_DEVIATION_COMPLETED_M,
     PATH_DEVIATION_MAX_M,
     PATH_DEVIATION_MEAN_M,
+    PATH_REGAINED_RATE,
 )
 from rss_gym.eval.metrics.range_error import RANGE_ERROR_P50_M, RANGE_ERROR_P80_M, RANGE_RMSE_M
-from rss_gym.eval.metrics.risk_ratio import RISK_RATIO, RISK_RATIO_INDUCED, RISK_RATIO_UNRESOLVED, RISK_RATIO_UPPER
+from rss_gym.eval.metrics.risk_ratio import RISK_RATIO, RISK_RATIO_INDUCED, RISK_RATIO_UNRESOLVED
 from rss_gym.eval.metrics.unnecessary_manoeuvre_rate import UNNECESSARY_MANOEUVRE_RATE
-from rss_gym.eval.metrics.zone_severity import ZONE_SEVERITY_P50, ZONE_SEVERITY_P95
+from rss_gym.eval.metrics.zone_severity import ZONE_SEVERITY
 from rss_gym.params import ParamsError, suggestion
 
 __all__ = ["METRICS", "Estimate", "Flights", "Function", "Metric", "measure"]
 
 METRICS: dict[str, Metric] = {
-    "faults": FAULTS,
+    "cost_m": COST_M,
     "collision_rate": COLLISION_RATE,
     "snmac_rate": SNMAC_RATE,
     "zone_violation_rate": ZONE_VIOLATION_RATE,
-    "zone_severity_p50": ZONE_SEVERITY_P50,
-    "zone_severity_p95": ZONE_SEVERITY_P95,
+    "zone_severity": ZONE_SEVERITY,
+    "faults": FAULTS,
     "risk_ratio": RISK_RATIO,
-    "risk_ratio_upper": RISK_RATIO_UPPER,
     "risk_ratio_unresolved": RISK_RATIO_UNRESOLVED,
     "risk_ratio_induced": RISK_RATIO_INDUCED,
     "unnecessary_manoeuvre_rate": UNNECESSARY_MANOEUVRE_RATE,
@@ -57,8 +57,8 @@ METRICS: dict[str, Metric] = {
     "path_deviation_mean_m": PATH_DEVIATION_MEAN_M,
     "path_deviation_max_m": PATH_DEVIATION_MAX_M,
     "path_deviation_completed_m": PATH_DEVIATION_COMPLETED_M,
+    "path_regained_rate": PATH_REGAINED_RATE,
     "extra_path": EXTRA_PATH,
-    "cost_mean": COST_MEAN,
     "min_separation_p0_1_m": MIN_SEPARATION_P0_1_M,
     "min_separation_p1_m": MIN_SEPARATION_P1_M,
     "min_separation_p5_m": MIN_SEPARATION_P5_M,

@@ -1,16 +1,21 @@
-"""The paper's own cost."""
+"""What encounters cost: the score that policies are ranked by."""
 
-from rss_gym.eval.intervals import Interval, mean_t
-from rss_gym.eval.metrics.metric import ONE, Flights, Metric
+from rss_gym.eval.costs import Costs
+from rss_gym.eval.intervals import Interval
+from rss_gym.eval.metrics.metric import Flights, Metric
 
 
-def cost_mean(flights: Flights) -> Interval:
-    """Mean over encounters of (42) summed over the decisions flown: q |u - u^d| + kappa |dv|.
+def cost(flights: Flights) -> Interval:
+    """Mean over encounters of mean deviation while flown + 100 m if sNMAC + 10,000 m if collision, in m.
 
-    q in 1/m and kappa in s/m are those of the reward. A flight that ends early sums less: read it beside
-    `collision_rate`. Student's t.
+    One collision in 10,000 encounters weighs as one metre of mean deviation. The interval joins Student's of the
+    deviation and Clopper and Pearson's of the events (`rss_gym.eval.costs`), so it covers where collisions are rare.
     """
-    return mean_t(flights.table["cost"])
+    return Costs.of(flights.table, flights.prices).interval()
 
 
-COST_MEAN = Metric("cost (42) summed over an encounter, mean", ONE, cost_mean)
+COST_M = Metric(
+    "cost of an encounter, mean: mean deviation while flown + 100 m if sNMAC + 10,000 m if collision",
+    "m",
+    cost,
+)

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from rss_gym.eval.costs import SCORE, Prices
 from rss_gym.eval.intervals import Interval, clopper_pearson
 from rss_gym.eval.table import TABLE
 
@@ -54,6 +55,8 @@ class Flights:
         P(delta) of (31), the share of range errors within delta.
     reaction_s : float
         t_r of (40), the time needed to react to a warning.
+    prices : Prices
+        Of the parts of a cost.
     """
 
     table: np.ndarray
@@ -63,6 +66,7 @@ class Flights:
     trials: int
     range_error_probability: float
     reaction_s: float
+    prices: Prices = SCORE
 
     def __post_init__(self) -> None:
         for name in ("table", "none", "reference"):

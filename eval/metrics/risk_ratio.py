@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rss_gym.eval.intervals import Interval, Side, clopper_pearson, odds_exact, paired_risk_ratio
+from rss_gym.eval.intervals import Interval, clopper_pearson, odds_exact, paired_risk_ratio
 from rss_gym.eval.metrics.metric import ONE, Flights, Metric
 
 
@@ -16,7 +16,7 @@ def collision_pairs(flights: Flights) -> tuple[int, int, int]:
     )
 
 
-def risk_ratio(flights: Flights, side: Side = "two") -> Interval:
+def risk_ratio(flights: Flights) -> Interval:
     """Collisions with the policy over collisions with `none`, on the same encounters and noise.
 
     Bonett and Price's paired interval with Clopper-Pearson ends (`paired_risk_ratio`). Undefined where `none` never
@@ -26,13 +26,7 @@ def risk_ratio(flights: Flights, side: Side = "two") -> Interval:
     ----------
     MIT Lincoln Laboratory, degas-core, computeMetric.m, with all weights equal; its induced part likewise.
     """
-    return paired_risk_ratio(*collision_pairs(flights), len(flights), side=side)
-
-
-def risk_ratio_upper(flights: Flights) -> Interval:
-    """One-sided 95 % upper confidence bound of `risk_ratio`, by which entries are ranked; itself without interval."""
-    bound = risk_ratio(flights, side="upper")
-    return Interval(bound.high, None, None, bound.n)
+    return paired_risk_ratio(*collision_pairs(flights), len(flights))
 
 
 def risk_ratio_unresolved(flights: Flights) -> Interval:
@@ -55,7 +49,6 @@ def risk_ratio_induced(flights: Flights) -> Interval:
 
 
 RISK_RATIO = Metric("collisions with the policy / collisions with `none`", ONE, risk_ratio)
-RISK_RATIO_UPPER = Metric("one-sided 95 % upper bound of the risk ratio (ranked)", ONE, risk_ratio_upper)
 RISK_RATIO_UNRESOLVED = Metric(
     "part of the risk ratio: collisions of `none` that the policy leaves", ONE, risk_ratio_unresolved
 )

@@ -1,23 +1,18 @@
-"""How deep flights go into the safety zone."""
+"""How deep flights go into the safety zone, and for how long."""
 
-from functools import partial
-
-import numpy as np
-
-from rss_gym.eval.intervals import Interval, quantile_order_statistics
+from rss_gym.eval.intervals import Interval, mean_t
 from rss_gym.eval.metrics.metric import ONE, Flights, Metric
 
 
-def zone_severity(flights: Flights, q: float) -> Interval:
-    """Quantile over all encounters of max(0, 1 - least separation / S); 0 is outside the zone, 1 is contact.
+def zone_severity(flights: Flights) -> Interval:
+    """Mean over encounters of the mean over the time flown of max(0, 1 - separation / S).
 
-    After the severity of loss of well clear (SLoWC) of MIT-LL's degas-core, on the zone of (40). Order statistics.
+    0 is outside the zone, 1 in contact, all the time. After the severity of loss of well clear (SLoWC) of MIT-LL's
+    degas-core, on the zone of (40) and over the whole flight. Student's t.
     """
-    severity = np.maximum(0.0, 1.0 - flights.table["min_separation_m"] / flights.suite_radius_m)
-    return quantile_order_statistics(severity, q, lowest=0.0, highest=1.0)
+    return mean_t(flights.table["zone_severity"])
 
 
-ZONE_SEVERITY_P50 = Metric("depth of zone entry (0 outside, 1 contact), median", ONE, partial(zone_severity, q=0.5))
-ZONE_SEVERITY_P95 = Metric(
-    "depth of zone entry (0 outside, 1 contact), 95 % quantile", ONE, partial(zone_severity, q=0.95)
+ZONE_SEVERITY = Metric(
+    "depth in the safety zone (0 outside, 1 in contact), mean over the time flown", ONE, zone_severity
 )

@@ -31,7 +31,7 @@ class Policy:
     name: str
     spec: str
     hash: str
-    track: str
+    information: str
     metrics: dict[str, Estimate]
     file: str  # of the table, below the record's folder
     table_sha256: str
@@ -107,7 +107,7 @@ def load(folder: str | os.PathLike[str]) -> Record:
                 f"{file}: {where}.table_sha256 = {values['table_sha256']!r} must be {table_digest(table)!r}, the "
                 f"digest of {values['table']}: table or record was changed"
             )
-        names = {key: values[key] for key in ("name", "spec", "hash", "track", "table_sha256")}
+        names = {key: values[key] for key in ("name", "spec", "hash", "information", "table_sha256")}
         policies.append(Policy(**names, metrics=metrics, file=values["table"], table=table))
     record = Record(
         folder=root,

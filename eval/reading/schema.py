@@ -13,7 +13,7 @@ from rss_gym.eval.metrics import METRICS, Estimate
 from rss_gym.eval.reading.plain import Checks, RecordError, checked, refuse_unknown, shown
 from rss_gym.eval.reading.table_file import EPISODES_MAX
 from rss_gym.eval.records import SCHEMA, TABLES
-from rss_gym.params import Params, ParamsError, Track
+from rss_gym.params import Information, Params, ParamsError
 
 POLICIES_MAX = 1000
 CHANNELS_MAX = 64
@@ -66,7 +66,7 @@ POLICY: Checks = {
     "name": _NAME,
     "spec": _TEXT,
     "hash": _HEX,
-    "track": (lambda value: value in get_args(Track), "one of " + ", ".join(get_args(Track))),
+    "information": (lambda value: value in get_args(Information), "one of " + ", ".join(get_args(Information))),
     "metrics": (lambda value: isinstance(value, dict), "a table of metrics"),
     "table": (
         lambda value: isinstance(value, str) and _TABLE_FILE.fullmatch(value) is not None,

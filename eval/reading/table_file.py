@@ -11,6 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from rss_gym.eval.costs import Prices, cost_m
 from rss_gym.eval.reading.plain import RecordError, opened, shown
 from rss_gym.eval.table import TABLE
 from rss_gym.params import Params
@@ -129,3 +130,7 @@ def check_rows(file: str, table: np.ndarray, params: Params, families: int) -> N
         gap_m = table["min_separation_m"] - radius_m
         wrong = np.where(table[column], gap_m > _TIE_M, gap_m < -_TIE_M)
         refuse(column, wrong, f"what min_separation_m and the limit of {radius_m:g} m say")
+    refuse("zone_severity", table["zone_severity"] > 1.0, "at most 1")
+    costs = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"], Prices.of(params))
+    wrong = ~np.isclose(table["cost_m"], costs, rtol=_TIE_M, atol=_TIE_M)
+    refuse("cost_m", wrong, "the cost of deviation_mean_m, snmac and collision by the record's prices")

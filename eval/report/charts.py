@@ -8,13 +8,13 @@ from itertools import pairwise
 
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import Estimate
-from rss_gym.eval.metrics.path_deviation import COLLIDED_M
 from rss_gym.eval.report import labels, series
 from rss_gym.eval.report.curves import Curve
 from rss_gym.eval.report.labels import Box, Label, Placed
 from rss_gym.eval.report.numbers import full
 from rss_gym.eval.report.series import Series
 from rss_gym.eval.report.svg import Decades, Linear, element, line, picture, words
+from rss_gym.eval.report.tables import ordered
 from rss_gym.pages.page import text
 
 ACROSS, UP = "path_deviation_mean_m", "collision_rate"
@@ -54,6 +54,7 @@ class Point:
     up: Estimate
     class_: str
     text: str  # of its label
+    front: bool = False
 
 
 def safety(result: Result) -> str:
@@ -71,13 +72,14 @@ def _points(result: Result, found: Series) -> tuple[dict[int, Point], list[str]]
     for curve in reversed(found.curves):
         unit = next((f" {unit}" for suffix, unit in UNITS.items() if curve.option.endswith(suffix)), "")
         texts.update({result.policies[index].entry.name: f"{value:g}{unit}" for index, value in curve.members})
+    front = {place.name for _, place in ordered(result) if place.front}
     points, missing = {}, []
     for index, scored in enumerate(result.policies):
         name, across, up = scored.entry.name, scored.metrics.get(ACROSS), scored.metrics.get(UP)
         if across is None or across.value is None or up is None or up.value is None:
             missing.append(name)
         else:
-            points[index] = Point(name, across, up, found.classes[index], texts[name])
+            points[index] = Point(name, across, up, found.classes[index], texts[name], name in front)
     return points, missing
 
 
@@ -188,7 +190,7 @@ def _grid(x: Linear, y: Decades, size: Size) -> str:
         content += line(x(value), floor, x(value), floor + 5.0, "axis")
         content += words(shown, x(value), floor + 18.0, "tick", "middle")
     content += line(size.left, floor, right, floor, "axis")
-    content += words("collisions per encounter", 2.0, 14.0, "title")
+    content += words("collisions per encounter (best is lower left)", 2.0, 14.0, "title")
     return content + words("mean deviation from the predefined path, m", right, size.height - 6.0, "title", "end")
 
 
@@ -204,6 +206,8 @@ def _point(p: Point, at: tuple[float, float], x: Linear, y: Decades) -> str:
         mark = element("rect", class_="mark", x=a - RADIUS_PX, y=b - RADIUS_PX, width=side, height=side)
     else:
         mark = element("circle", class_="mark", cx=a, cy=b, r=RADIUS_PX)
+    if p.front:
+        mark += element("circle", class_="front", cx=a, cy=b, r=RADIUS_PX + 3.0)
     hover = element("circle", class_="hover", cx=a, cy=b, r=12.0)
     return element("g", tip + lines + mark + hover, class_=f"point {p.class_}")
 
@@ -222,8 +226,9 @@ def _label(label: Label, spot: Placed, class_: str) -> str:
 
 
 CAPTION = (
-    '<p class="note">Down is safer, left is nearer to the predefined path; the scale of collisions is logarithmic. '
+    '<p class="note">Best is lower left: down is safer, left is nearer to the predefined path; the scale of collisions '
+    "is logarithmic. A ring marks the front: no other policy of its level of information has both fewer collisions and "
+    "less deviation. Red: a policy with faults, which is not ranked. "
     "Lines through the points are 95 % intervals. A bar with an arrow: no collision was seen, and the rate lies below "
-    "the bar, the upper end of its interval. From a collision on, the deviation counts as "
-    f"{COLLIDED_M:g} m.</p>\n"
+    "the bar, the upper end of its interval.</p>\n"
 )

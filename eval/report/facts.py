@@ -57,7 +57,7 @@ def _policies(result: Result) -> str:
     entries = [scored.entry for scored in result.policies]
     columns = {
         "made by": [entry.spec for entry in entries],
-        "track": [entry.world.interface.track for entry in entries],
+        "information": [entry.world.interface.information for entry in entries],
         "actions": [entry.world.interface.action for entry in entries],
         "hash": [entry.hash[:16] for entry in entries],
     }

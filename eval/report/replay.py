@@ -37,7 +37,7 @@ class Flight:
         """Take the present moment of row 0."""
         params, episode = batch.params, batch.episode[0]
         axes = 2 if params.encounter.planar else 3
-        own, aircraft = batch.own[0], batch.world.aircraft[0]
+        own, aircraft = batch.seen.own[0], batch.world.aircraft[0]
         self.own["position"] += scaled(aircraft[0]["position_m"][:axes])
         self.own["planned"] += scaled(own["planned_m"][:axes])
         self.own["way_point"] += scaled(own["way_point_m"][:axes])
@@ -45,9 +45,9 @@ class Flight:
             if k == len(self.intruders):
                 columns = ("position", "message", "range", "std", "zone", "warning")
                 self.intruders.append({name: [] for name in columns})
-            into, other = self.intruders[k], batch.others[0, k]
+            into, other = self.intruders[k], batch.seen.others[0, k]
             into["position"] += scaled(aircraft[1 + k]["position_m"][:axes])
-            told = other["valid"] and params.interface.track != "range"
+            told = other["valid"] and params.interface.information != "ranges"
             message = other["position_m"] + other["age_s"] * other["velocity_mps"] if told else np.full(3, np.nan)
             into["message"] += scaled(message[:axes])
             into["range"] += scaled(other["range_m"])

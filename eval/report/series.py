@@ -9,6 +9,7 @@ from rss_gym.eval.evaluate import NOMINAL, Result
 from rss_gym.eval.report import curves
 from rss_gym.eval.report.curves import Curve
 
+FAULT = "fault"  # the class of policies that are not ranked: red
 COLOURS = 8  # classes c0 ... of the style sheet, used again from the first
 
 
@@ -29,6 +30,9 @@ def of(result: Result) -> Series:
     colours: dict[str, str] = {}
     classes = []
     for index, (entry, spec) in enumerate(zip(entries, specs, strict=True)):
+        if result.policies[index].table["fault"].any():
+            classes.append(FAULT)
+            continue
         if entry.name == NOMINAL:
             classes.append("nominal")
             continue

@@ -4,19 +4,34 @@ from __future__ import annotations
 
 import re
 
-from rss_gym.eval.evaluate import NOMINAL, Result
+from rss_gym.eval import ranking
+from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import METRICS, Estimate
+from rss_gym.eval.ranking import Place
 from rss_gym.eval.report import series
 from rss_gym.eval.report.numbers import interval, number
 from rss_gym.pages.page import text
 
-MAIN = ("collision_rate", "snmac_rate", "risk_ratio", "path_deviation_mean_m", "unnecessary_manoeuvre_rate")
+MAIN = (
+    "cost_m",
+    "collision_rate",
+    "snmac_rate",
+    "path_deviation_mean_m",
+    "unnecessary_manoeuvre_rate",
+    "zone_severity",
+    "path_regained_rate",
+    "faults",
+)
+FIRST = (
+    '<th scope="col" title="paired difference of the cost from that of the first of its level of information">'
+    "more than the first (m)</th>"
+)
 # Title -> beginnings of the names; what begins with none of them is listed last.
 GROUPS = {
     "Events": ("collision", "snmac", "zone", "faults"),
     "Least separation": ("min_separation",),
     "Against the policy none": ("risk_ratio", "unnecessary"),
-    "Path and cost": ("path", "extra", "cost"),
+    "Cost and path": ("cost", "path", "extra"),
     "Warnings": ("alert", "never_alerted"),
 }
 OTHERS = "Others"
@@ -58,15 +73,57 @@ def policy_heading(name: str, class_: str) -> str:
     return f'<th scope="row"><span class="who"><span class="dot {class_}"></span><span>{shown}</span></span></th>'
 
 
-def table(result: Result, names: list[str]) -> str:
-    """The metrics of these names, a row a policy."""
+def barred(place: Place) -> str:
+    """The class of the row of a policy that is not ranked: it is red."""
+    return "" if place.place is not None else ' class="fault"'
+
+
+def place_cell(place: Place) -> str:
+    """The place, with a star on the front."""
+    if place.place is None:
+        return "<td>–</td>"
+    star = '<abbr title="on the front: no other has both fewer collisions and less deviation">*</abbr>' * place.front
+    return f'<td data-value="{place.place}">{place.place}{star}</td>'
+
+
+def difference(place: Place) -> str:
+    """How much more a policy costs than the first."""
+    if place.difference is None:
+        return "<td>–</td>" if place.place is None else "<td></td>"
+    return cell(Estimate(*place.difference, unit="m"))
+
+
+def ordered(result: Result, differences: bool = False) -> list[tuple[int, Place]]:
+    """Index of each policy and its place: level by level of information, the cheapest first."""
+    index = {scored.entry.name: number for number, scored in enumerate(result.policies)}
+    return [(index[place.name], place) for places in ranking.of(result, differences).values() for place in places]
+
+
+def table(result: Result, names: list[str], places: bool = False) -> str:
+    """The metrics of these names, a row a policy, in order; with `places` also place and difference from the first."""
     classes = series.of(result).classes
     rows = ""
-    for scored, class_ in zip(result.policies, classes, strict=True):
-        cells = "".join(cell(scored.metrics.get(name)) for name in names)
-        rows += f"<tr>{policy_heading(scored.entry.name, class_)}{cells}</tr>\n"
-    headings = '<th scope="col">policy</th>' + "".join(heading(name) for name in names)
-    return scrolled(f'<table class="sortable"><thead><tr>{headings}</tr></thead>\n<tbody>\n{rows}</tbody></table>')
+    for index, place in ordered(result, differences=places):
+        scored = result.policies[index]
+        cells = [cell(scored.metrics.get(name)) for name in names]
+        if places:
+            cells = [place_cell(place), cells[0], difference(place), *cells[1:]]
+        rows += f"<tr{barred(place)}>{policy_heading(scored.entry.name, classes[index])}{''.join(cells)}</tr>\n"
+    headings = [heading(name) for name in names]
+    if places:
+        headings = ['<th scope="col">place</th>', headings[0], FIRST, *headings[1:]]
+    head = '<th scope="col">policy</th>' + "".join(headings)
+    return scrolled(f'<table class="sortable"><thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody></table>')
+
+
+def faults(result: Result) -> str:
+    """Which policies are not ranked and why, in red; nothing where all are."""
+    return "".join(
+        f'<p class="fault">{text(place.name)} is {text(place.why_not)}, encounters in which it gave an '
+        "action that is not finite.</p>\n"
+        for _, place in ordered(result)
+        if place.why_not
+    )
 
 
 def scrolled(markup: str) -> str:
@@ -77,10 +134,13 @@ def scrolled(markup: str) -> str:
 def main(result: Result) -> str:
     """The table that is read first."""
     return (
-        table(result, [name for name in MAIN if name in METRICS])
-        + '<p class="note">Below each value its 95 % interval. Rates are per encounter of this suite\'s distribution, '
-        f"not per flight hour; the risk ratio is relative to {NOMINAL} on the same encounters. "
-        "Click a heading to sort.</p>"
+        faults(result)
+        + table(result, list(MAIN), places=True)
+        + '<p class="note">Ranked by cost, each level of information on its own: mean deviation while flown, plus '
+        "100 m for an sNMAC and 10,000 m for a collision. Below each value its 95 % interval; that of what a policy "
+        "costs more than the first is of the pairs of flights over the same encounters. * marks the front: no other "
+        "policy has both fewer collisions and less deviation. Rates are per encounter of this suite's distribution, "
+        "not per flight hour. Click a heading to sort.</p>"
     )
 
 

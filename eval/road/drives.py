@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.eval.episodes import STREAM_SAMPLE, Block, PolicyError, command
+from rss_gym.eval.episodes import Block, PolicyError, command
 from rss_gym.eval.road.suites import RoadSuite
 from rss_gym.eval.table import TABLE
 from rss_gym.highway.env import RoadEnv
 from rss_gym.physics.random import uniform
+from rss_gym.streams import STREAM_SAMPLE
 
 # What a road adds to the table: means over the decisions driven.
 DEVIATIONS = np.dtype([("lane_deviation_m", np.float64), ("speed_deviation_mps", np.float64)])
@@ -72,7 +73,7 @@ def _episode(
         actions, state = command(policy, name, observation[None], state, np.array([not infos]))
         try:
             action = np.asarray(actions)[0]
-            observation, reward, terminated, truncated, info = env.step(action)
+            observation, _, terminated, truncated, info = env.step(action)
         except (ValueError, TypeError, IndexError) as error:
             raise PolicyError(
                 f"policy {name!r}: {' '.join(str(error).split())}; at decision {len(infos)} of episode {episode}"
@@ -82,17 +83,17 @@ def _episode(
         before, here = here, env.road.vehicle.position.copy()
         positions.append(here)
         row["flown_m"] += np.hypot(*(here - before))
-        row["cost"] -= reward + env.reward.collision * info["collision"]
         if nominal is not None and len(positions) <= len(nominal):
             row["manoeuvre_m"] = max(row["manoeuvre_m"], np.hypot(*(here - nominal[len(positions) - 1])))
     e = sensor.episode
     for column in COPIED:
         row[column] = e[column]
     row["episode"], row["missed_ticks"] = episode, e["missed"]
-    row["collision"] = row["snmac"] = info["collision"]  # conflicts are the collisions of `none`
+    row["collision"], row["snmac"] = info["collision"], info["snmac"]
+    row["cost_m"], row["deviation_end_m"] = info["cost_m"], info["deviation_m"]
     row["flown_s"] = e["tick"] * clock.tick_s
     row["duration_s"] = max(env.scene.duration_s, row["flown_s"]) if info["collision"] else row["flown_s"]
-    row["deviation_mean_m"] = np.mean([item["deviation_m"] for item in infos])
+    row["deviation_mean_m"] = info["deviation_mean_m"]
     row["deviation_max_m"] = max(item["deviation_m"] for item in infos)
     plan = env.ranging.plan
     assert plan is not None

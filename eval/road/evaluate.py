@@ -17,6 +17,7 @@ from tqdm import tqdm
 
 from rss_gym.baselines import road
 from rss_gym.core import checked_seed
+from rss_gym.eval.costs import Prices
 from rss_gym.eval.episodes import Block
 from rss_gym.eval.evaluate import Result, Scored
 from rss_gym.eval.intervals import mean_t
@@ -26,11 +27,10 @@ from rss_gym.eval.road.drives import DEVIATIONS, drive, environment
 from rss_gym.eval.road.suites import SUITES, RoadSuite
 from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL
-from rss_gym.params import ParamsError, suggestion
+from rss_gym.params import Params, ParamsError, suggestion
 
 ALL = "all"
-# Not on a road: the small near mid-air collision, and how deep a zone was entered that is not one of fixed radius.
-AIRBORNE = ("snmac_rate", "zone_severity_p50", "zone_severity_p95")
+AIRBORNE = ("zone_severity",)  # not on a road: how deep a zone was entered that is not one of fixed radius
 NAMES = tuple(name for name in METRICS if name not in AIRBORNE)
 UNITS = {"lane_deviation_m": "m", "speed_deviation_mps": "m/s"}
 CHUNK = 10  # episodes that a worker is given at a time
@@ -42,8 +42,8 @@ class RoadEntry(Entry):
 
     @property
     def hash(self) -> str:
-        """SHA-256 of the specification, for a learned policy of its files, and of the track."""
-        text = json.dumps([getattr(self.policy, "digest", self.spec), self.world.interface.track])
+        """SHA-256 of the specification, for a learned policy of its files, and of what it is told."""
+        text = json.dumps([getattr(self.policy, "digest", self.spec), self.world.interface.information])
         return sha256(text.encode()).hexdigest()
 
 
@@ -91,7 +91,7 @@ def evaluate(
     progress : bool, optional
         Show a progress bar; default: when the error stream is a terminal.
     **changes
-        `channel`, `track` or `estimator`.
+        `channel`, `information` or `estimator`.
 
     Raises
     ------
@@ -145,6 +145,7 @@ def score(
             trials=zone.trials,
             range_error_probability=zone.range_error_probability,
             reaction_s=zone.reaction_s,
+            prices=Prices.of(suite.params),
         )
         means = {name: Estimate(*mean_t(deviation[name]), unit=unit) for name, unit in UNITS.items()}
         scored.append(Scored(entry, table, measure(flights, NAMES) | means))
@@ -210,7 +211,9 @@ def _prepared(policies: Sequence[str], suite: RoadSuite, reference: str | None) 
         name = folder_name(spec) if getattr(policy, "digest", "") else spec
         if name in [entry.name for entry in entries]:
             raise ParamsError(f"policy {name!r} is given twice")
-        entries.append(RoadEntry(name, spec, policy, suite.params))
+        told = getattr(policy, "information", None)  # who is told more is no rival
+        world = Params.of(suite.params, information=told, tracker="fused") if told else suite.params
+        entries.append(RoadEntry(name, spec, policy, world))
     reference = reference or entries[1 if len(entries) > 1 else 0].name
     if reference not in [entry.name for entry in entries]:
         raise ParamsError(f"reference {reference!r} is not among the policies driven")

@@ -13,17 +13,28 @@ from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import METRICS
 from rss_gym.eval.report import REPORT, charts, facts, sensor, tables
 from rss_gym.eval.road.evaluate import NAMES, RoadResult
+from rss_gym.eval.text import Columns
 from rss_gym.files import write_text
 from rss_gym.pages import page
 from rss_gym.pages.page import SORTING, Section
 
-COLUMNS = {
+COLUMNS: Columns = {
+    "cost_m": ("cost m", 1.0, ".1f"),
     "collision_rate": ("collision rate", 1.0, ".3f"),
-    "risk_ratio": ("risk ratio", 1.0, ".3f"),
-    "zone_violation_rate": ("zone rate", 1.0, ".3f"),
-    "lane_deviation_m": ("lane deviation m", 1.0, ".2f"),
-    "speed_deviation_mps": ("speed deviation m/s", 1.0, ".2f"),
+    "snmac_rate": ("near misses", 1.0, ".3f"),
+    "path_deviation_mean_m": ("deviation m", 1.0, ".1f"),
+    "lane_deviation_m": ("off the lane m", 1.0, ".2f", False),
+    "speed_deviation_mps": ("off the speed m/s", 1.0, ".2f", False),
 }
+MAIN = (
+    "cost_m",
+    "collision_rate",
+    "snmac_rate",
+    "path_deviation_mean_m",
+    "unnecessary_manoeuvre_rate",
+    "zone_violation_rate",
+    "path_regained_rate",
+)
 DEVIATIONS = "deviations.npz"  # name of a column -> (policies, episodes)
 
 
@@ -44,17 +55,10 @@ def _rest(result: Result, folder: Path) -> None:
 
 def markup(result: RoadResult) -> str:
     """The page as text."""
-    main = [
-        "collision_rate",
-        "risk_ratio",
-        "zone_violation_rate",
-        "path_deviation_mean_m",
-        "unnecessary_manoeuvre_rate",
-    ]
     rest = [name for name in NAMES if not METRICS[name].sensor]
     sections = [
         Section("Safety against deviation", charts.safety(result) + charts.CAPTION),
-        Section("Scores", tables.table(result, main) + NOTE),
+        Section("Scores", tables.table(result, list(MAIN), places=True) + NOTE),
         Section("Sensor", sensor.section(result)),
         Section("All metrics", tables.table(result, rest)),
         Section("Run", facts.run(result)),
@@ -63,7 +67,9 @@ def markup(result: RoadResult) -> str:
 
 
 NOTE = (
-    '<p class="note">The zone of a pair is (40) at the true closing speed; it is violated by a vehicle on the agent\'s '
-    "own lane only. The deviation is the distance from where the planned lane and speed would have led; the means of "
-    "both parts are in scores.json.</p>"
+    '<p class="note">Ranked by cost: mean deviation while driven, plus 100 m for a near miss and 10,000 m for a '
+    "collision; a difference from the first is of the pairs of drives. The deviation is the distance from where the "
+    "planned lane and speed would have led; the means of both parts are in scores.json. A near miss, called sNMAC "
+    "as in the air: at a tick a vehicle would touch the agent within 1.5 s if both went straight on. The zone of a "
+    "pair is (40) at the true closing speed; it is violated by a vehicle on the agent's own lane only.</p>"
 )

@@ -12,7 +12,7 @@ from rss_gym.highway.settings import settings
 from rss_gym.params import ParamsError
 
 ROAD_VERSION = 0  # raised whenever a road gives other numbers for the same parameters
-CHANGES = ("channel", "track", "estimator")  # what a run may change
+CHANGES = ("channel", "information", "estimator")  # what a run may change
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ class RoadSuite(Suite):
         }
 
     def changed(self, **keywords: Any) -> RoadSuite:
-        """The suite with another channel, track or estimator; such runs are not official."""
+        """The suite with another channel, information or estimator; such runs are not official."""
         for name in keywords:
             if name not in CHANGES:
                 raise ParamsError(f"suite {self.name!r} is a road's, where only {', '.join(CHANGES)} can be changed")

@@ -54,8 +54,8 @@ class Complication:
     announced_rad : (float, float) or None
         Turn that its messages tell, velocity and next way point, while it flies straight on.
     merging : bool
-        Intruders reach the agent's path one after another, but for their miss distances, and go on along the course of the
-        first; they are planned to stay clear of each other.
+        Intruders reach the agent's path one after another, but for their miss distances, and go on along the course
+        of the first; they are planned to stay clear of each other.
     onset_s : (float, float)
         When a jump or an outage begins, after the planned entry into the safety zone.
     path_loss_jump : (float, float) or None

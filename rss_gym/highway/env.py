@@ -10,10 +10,12 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from rss_gym.core import checked_seed
 from rss_gym.highway.config import check
-from rss_gym.highway.settings import changed, mapping
+from rss_gym.highway.cost import Cost
+from rss_gym.highway.settings import mapping, prices
 from rss_gym.highway.wrapper import RssRanging
-from rss_gym.params import Group, ParamsError, Zone, number, suggestion
+from rss_gym.params import ParamsError, Zone, suggestion
 
 EXTRA = 'the roads need highway-env, which is not installed: pip install "rss-gym[highway]"'
 
@@ -89,15 +91,6 @@ SCENES: dict[str, Scene] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RoadReward(Group):
-    """Weights of the reward: distance from planned lane and speed, and a collision."""
-
-    lane_pm: float = number(0.02, 0.0, 100.0)  # per metre beside the planned lane and decision
-    speed_spm: float = number(0.02, 0.0, 100.0)  # per m/s off the planned speed and decision
-    collision: float = number(5.0, 0.0, 1e6)
-
-
 class RoadEnv(gym.Env[np.ndarray, Any]):
     """A vehicle on a road of highway-env that ranges the others by radio signal strength.
 
@@ -119,7 +112,12 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     ## Rewards
 
-    `-(lane_pm |lane error| + speed_spm |speed error|)` a decision, and `-collision` at the end by one.
+    Minus what the cost of the drive rises by, so that the undiscounted return is minus `info["cost_m"]` at the end. The
+    cost is in metres, as in the air: the mean over the decisions of the distance from where the planned lane and speed
+    would have led by then (behind, ahead and beside), `deviation_mean_m`, plus 100 m for a near miss and 10,000 m for a
+    collision, which is a near miss too. The near miss takes the place of the air's sNMAC, with its name: at a tick a
+    vehicle would touch the agent within 1.5 s if both went straight on. `info` has the terms of the last decision,
+    `reward_deviation`, `reward_snmac` and `reward_collision`.
 
     ## Episode end
 
@@ -127,7 +125,8 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     ## Arguments
 
-    `config` changes highway-env's configuration, `reward` fields of `RoadReward`; all else is as for
+    `config` changes highway-env's configuration, `reward` the prices (`deviation_price`, `snmac_price_m`,
+    `collision_price_m`); all else is as for
     `rss_gym.highway.RssRanging`, which has also what seeds do.
     """
 
@@ -154,12 +153,12 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         kind = scene_class(self.scene)
         changes = {} if config is None else config
         check(changes, kind.default_config())
-        self.reward = changed("reward", RoadReward(), reward)
+        priced = prices(reward)
         if not isinstance(zone, Zone):
             zone = {**self.scene.zone, **mapping("zone", {} if zone is None else zone)}
         road = kind(config={**self.scene.configuration, **changes}, render_mode=render_mode)
         self.ranging = RssRanging(road, zone=zone, **keywords)
-        self.params = self.ranging.params
+        self.params = self.ranging.params.replace(reward=priced)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
 
@@ -168,16 +167,27 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         """highway-env's own environment."""
         return self.ranging.base
 
+    @property
+    def config(self) -> dict[str, Any]:
+        """highway-env's configuration of the road, as it is."""
+        return dict(self.road.config)
+
+    @property
+    def vehicle(self) -> Any:
+        """The agent's vehicle, of highway-env."""
+        return self.road.vehicle
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Start an episode; see `RssRanging` for `seed` and `options`."""
+        seed = None if seed is None else checked_seed(seed)
         super().reset(seed=seed)
         if seed is None and self.ranging.plan is None:
             seed = int(self.np_random.integers(2**62))
         observation, info = self.ranging.reset(seed=seed, options=options)
-        self._ended = False
-        return observation, self._info(info, 0.0, 0.0)
+        self._cost = Cost(self.params.reward)
+        return observation, self._info(info)
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Drive for one decision.
@@ -189,20 +199,12 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         ValueError
             For an action that is not in the space.
         """
-        if self.ranging.plan is None or self._ended:
-            raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
         if not self.action_space.contains(action):
             raise ValueError(f"action must be in {self.action_space}, got {action!r}")
-        observation, _, terminated, truncated, info = self.ranging.step(action)
-        self._ended = terminated or truncated
-        vehicle, plan = self.road.vehicle, self.ranging.plan
-        lane_m, speed_mps = abs(plan.error_m(vehicle)), abs(float(vehicle.speed) - plan.speed_mps)
-        weights = self.reward
-        reward = 0.0 - weights.lane_pm * lane_m - weights.speed_spm * speed_mps
-        if info["collision"]:
-            reward -= weights.collision
-        info = self._info(info, lane_m, speed_mps)
-        info["is_success"] = self._ended and not info["collision"]
+        observation, _, terminated, truncated, found = self.ranging.step(action)
+        reward = self._cost.decided(self._deviation_m(), found["snmac"], found["collision"])
+        info = self._info(found)
+        info["is_success"] = (terminated or truncated) and not info["collision"]
         return observation, reward, terminated, truncated, info
 
     def render(self) -> Any:
@@ -213,16 +215,23 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         """Close highway-env's window, if there is one."""
         self.ranging.close()
 
-    def _info(self, info: dict[str, Any], lane_m: float, speed_mps: float) -> dict[str, Any]:
-        vehicle, plan = self.road.vehicle, self.ranging.plan
+    def _deviation_m(self) -> float:
+        """Distance from where the planned lane and speed would have led by now."""
+        plan, ticks = self.ranging.plan, float(self.ranging.sensor.episode["tick"])
         assert plan is not None
-        away = vehicle.position - plan.position_m(float(self.ranging.sensor.episode["tick"]) * self.params.clock.tick_s)
+        return float(np.hypot(*(self.vehicle.position - plan.position_m(ticks * self.params.clock.tick_s))))
+
+    def _info(self, info: dict[str, Any]) -> dict[str, Any]:
+        plan, cost = self.ranging.plan, self._cost
+        assert plan is not None
         return {
-            **{name: info[name] for name in ("collision", "zone", "min_separation_m")},
-            "deviation_m": float(np.hypot(*away)),
-            "lane_error_m": lane_m,
-            "speed_error_mps": speed_mps,
-            "cost": float(info["collision"]),
+            **{name: info[name] for name in ("collision", "snmac", "zone", "min_separation_m")},
+            "deviation_m": self._deviation_m(),
+            "deviation_mean_m": cost.deviation_mean_m,
+            "lane_error_m": abs(plan.error_m(self.vehicle)),
+            "speed_error_mps": abs(float(self.vehicle.speed) - plan.speed_mps),
+            "cost_m": cost.total_m,
+            **{f"reward_{name}": 0.0 - change for name, change in cost.changes.items()},
             "is_success": False,
         }
 

@@ -9,6 +9,7 @@ from math import sqrt
 import numpy as np
 
 from rss_gym.alerts import judge, warn
+from rss_gym.highway.near_miss import NEAR_MISS_S, time_to_contact_s
 from rss_gym.highway.zone import HALF_LANE_M, pair_radius_m
 from rss_gym.jit import inner, kernel
 from rss_gym.lanes import departure, load_channel, load_link, load_message, store_link
@@ -17,7 +18,8 @@ from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.path_loss import quantise
 from rss_gym.physics.random import normal, uniform
-from rss_gym.records import ORACLE, RANGE, ROWS
+from rss_gym.records import ORACLE, RANGES, ROWS
+from rss_gym.streams import ROAD_STREAMS, STREAM_ROAD
 
 f8, i8, b1 = np.float64, np.int64, np.bool_
 
@@ -31,20 +33,20 @@ VEHICLE = np.dtype(
         ("state", i8),  # of ABSENT ... HELD
         ("position_m", f8, 2),
         ("velocity_mps", f8, 2),
+        ("forward", f8, 2),  # unit vector of its heading
         ("gnss_error", f8, 2),  # of unit variance
         ("velocity_error_mps", f8, 2),
     ]
 )
 
-# Streams of a vehicle; the agent is vehicle -1. Those of the world are below 1,000.
-STREAM_ROAD, STREAMS = 10_000, 16
+# Streams of a vehicle, after its first; the agent is vehicle -1.
 TICK_COLOURED, TICK_WHITE, TICK_LOSS, SLOW, START = 0, 1, 2, 3, 8  # SLOW: wander, GNSS x, y, velocity x, y
 
 
 @kernel(inline="always")
 def stream(number):
     """First stream of a vehicle."""
-    return STREAM_ROAD + STREAMS * (number + 1)
+    return STREAM_ROAD + ROAD_STREAMS * (number + 1)
 
 
 @inner
@@ -182,7 +184,7 @@ def gather(config, channel, key, e, state, i, vehicles, links, contacts, block, 
             load_channel(block, r, channel)
             load_vehicle(config, agent, vehicles[0], r)
             load_vehicle(config, craft, vehicles[i + 1], r)
-            load_message(told, r, contacts[i], config.track != RANGE)
+            load_message(told, r, contacts[i], config.information != RANGES)
             load_link(link, r, links[i], e.tick * config.tick_s)
             link.coloured_normal[r] = normal(key, stream(i) + TICK_COLOURED, e.tick)
             link.white_normal[r] = normal(key, stream(i) + TICK_WHITE, e.tick)
@@ -195,7 +197,9 @@ def place(vehicle, state):
     """Put a vehicle on the road, with position and velocity as vectors."""
     vehicle.here = True
     vehicle.position_m[0], vehicle.position_m[1] = state[1], state[2]
-    vehicle.velocity_mps[0], vehicle.velocity_mps[1] = state[4] * cos(state[3]), state[4] * sin(state[3])
+    vehicle.forward[0], vehicle.forward[1] = cos(state[3]), sin(state[3])
+    for axis in range(2):
+        vehicle.velocity_mps[axis] = state[4] * vehicle.forward[axis]
 
 
 @inner
@@ -246,35 +250,39 @@ def alert(config, channel, e, vehicle, contact, link, r):
         contact.valid, contact.age_s, contact.std_m = True, 0.0, config.gnss_m
         for axis in range(2):
             contact.velocity_mps[axis] = vehicle.velocity_mps[axis] + vehicle.velocity_error_mps[axis]
-            if config.track != RANGE:
+            if config.information != RANGES:
                 contact.position_m[axis] = vehicle.position_m[axis] + config.gnss_m * vehicle.gnss_error[axis]
     judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
 
 
 @inner
 def witness(config, e, range_error_m, road, agent, vehicle):
-    """Events of the tick on true states: least separation; entry into a pair's zone on the agent's lane."""
+    """Events of the tick on true states: least separation, near miss, entry into a pair's zone on the agent's lane."""
     x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
     separation_m = sqrt(x * x + y * y)
     if separation_m < e.min_separation_m:
         e.min_separation_m, e.closest_s = separation_m, e.tick * config.tick_s
+    v, w = vehicle.velocity_mps[0] - agent.velocity_mps[0], vehicle.velocity_mps[1] - agent.velocity_mps[1]
+    c, s = agent.forward[0], agent.forward[1]
+    forward, right = vehicle.forward[0] * c + vehicle.forward[1] * s, vehicle.forward[1] * c - vehicle.forward[0] * s
+    contact_s = time_to_contact_s(x * c + y * s, y * c - x * s, v * c + w * s, w * c - v * s, forward, right)
+    if contact_s < NEAR_MISS_S:
+        e.snmac = True
     right_m = y * road[1] - x * road[2] + road[3]
     if abs(right_m) < HALF_LANE_M:
-        v, u = vehicle.velocity_mps, agent.velocity_mps
         radius_m = pair_radius_m(
-            x, y, v[0] - u[0], v[1] - u[1],
-            range_error_m, config.range_error_probability, config.reaction_s, config.trials,
-        )  # fmt: skip
+            x, y, v, w, range_error_m, config.range_error_probability, config.reaction_s, config.trials
+        )
         if separation_m < radius_m:
             e.zone = True
 
 
 @kernel
 def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
-    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; true states on track `oracle` only."""
+    """Fill `own` (1,) OWN and `others` (n,) OTHER with what the agent knows; the truth with `oracle` only."""
     config, channel, e, agent = config_[0], channel_[0], e_[0], vehicles[0]
-    own[0].time_s = e.tick * config.tick_s
-    exact = config.track == ORACLE
+    exact = config.information == ORACLE
+    own[0].std_m = 0.0 if exact else config.gnss_m
     for axis in range(2):
         error_m, error_mps = config.gnss_m * agent.gnss_error[axis], agent.velocity_error_mps[axis]
         own[0].position_m[axis] = agent.position_m[axis] + (0.0 if exact else error_m)
@@ -286,9 +294,11 @@ def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
             continue
         other.range_m, other.range_std_m = link.range_m, sqrt(link.p_dd)
         other.range_rate_mps, other.coloured_db = link.rate_mps, link.coloured_hat_db
-        other.path_loss_factor = channel.path_loss_factor
+        other.path_loss_factor, other.coloured_tc_s = channel.path_loss_factor, channel.coloured_tc_s
+        other.white_std_db, other.coloured_std_db = channel.white_std_db, channel.coloured_std_db
         other.radius_m, other.warning = contact.radius_m, contact.warning
-        other.valid, other.age_s = contact.valid, contact.age_s
+        other.streak = min(contact.streak / config.trials, 1.0)
+        other.valid, other.age_s, other.std_m = contact.valid, contact.age_s, contact.std_m
         for axis in range(2):
             other.position_m[axis] = contact.position_m[axis]
             other.velocity_mps[axis] = contact.velocity_mps[axis]
@@ -298,7 +308,7 @@ def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
 
 @inner
 def reveal(config, e, agent, vehicle, link, channel, other):
-    """Track `oracle`: replace every estimate by the truth."""
+    """Information `oracle`: replace every estimate by the truth."""
     square = rate = 0.0
     for axis in range(2):
         other.position_m[axis], other.velocity_mps[axis] = vehicle.position_m[axis], vehicle.velocity_mps[axis]
@@ -310,4 +320,5 @@ def reveal(config, e, agent, vehicle, link, channel, other):
     other.coloured_db = link.coloured_db
     other.path_loss_factor = channel.path_loss_factor + departure(link, e.tick * config.tick_s)
     other.warning = other.range_m <= other.radius_m
-    other.valid, other.age_s = True, 0.0
+    other.streak = 1.0 if other.warning else 0.0
+    other.valid, other.age_s, other.std_m = True, 0.0, 0.0

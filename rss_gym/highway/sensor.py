@@ -11,9 +11,10 @@ import numpy as np
 from rss_gym import records
 from rss_gym.highway import links
 from rss_gym.jit import announce
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 from rss_gym.physics.random import uniform
 from rss_gym.sensed import OTHER, OWN
+from rss_gym.streams import ROAD_VEHICLES, STREAM_EPISODE
 
 CAPACITY = 32  # vehicles at first; doubled when more appear
 
@@ -75,7 +76,7 @@ class Sensor:
         e = self._episode[0]
         e["split"], e["seed"], e["number"], e["key"] = split, seed, number, key
         e["channel"] = min(
-            int(uniform(np.uint64(key), records.STREAM_START_LINK, 8) * len(self._channels)), len(self._channels) - 1
+            int(uniform(np.uint64(key), STREAM_EPISODE, 0) * len(self._channels)), len(self._channels) - 1
         )
         e["min_separation_m"], e["warned_s"] = np.inf, -1.0
         self._key = np.uint64(key)
@@ -142,8 +143,10 @@ class Sensor:
         self._links, self._contacts = np.zeros(size, records.LINK), np.zeros(size, records.CONTACT)
 
     def _grow(self) -> None:
-        """Room for twice as many."""
+        """Room for twice as many, as long as each has noise of its own."""
         before, size = (self._vehicles, self._links, self._contacts), len(self._vehicles)
+        if 2 * size > ROAD_VEHICLES:
+            raise ParamsError(f"a road holds at most {ROAD_VEHICLES} vehicles over one drive, the agent among them")
         self._allocate(2 * size)
         for new, old in zip((self._vehicles, self._links, self._contacts), before, strict=True):
             new[:size] = old

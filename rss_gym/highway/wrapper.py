@@ -36,7 +36,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         Of highway-env, with one controlled vehicle.
     vehicles : int
         How many of the nearest vehicles (by estimated range) are observed, 1 to 8; all in radio range keep a filter.
-    channel, track, estimator, zone, ranging, navigation
+    channel, information, estimator, zone, ranging, navigation
         As `rss_gym.highway.settings.settings` takes them.
     radio_range_m : float
         Beyond it a vehicle is not heard and its filter ends.
@@ -64,7 +64,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         env: gym.Env[Any, Any],
         vehicles: int = 6,
         channel: Any = "paper",
-        track: str = "paper",
+        information: str = "positions",
         estimator: str = "ekf-coloured",
         zone: Zone | Mapping[str, Any] | None = None,
         ranging: Mapping[str, Any] | None = None,
@@ -86,14 +86,15 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         frequency = base.config["simulation_frequency"]
         ticks = int(frequency // base.config["policy_frequency"])
         self.params = settings(
-            1.0 / frequency, ticks / frequency, vehicles, channel, track, estimator, zone, ranging, navigation
+            1.0 / frequency, ticks / frequency, vehicles, channel, information, estimator, zone, ranging, navigation
         )
         self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver
+        self.radio = radio
         self._writer = Writer(self.params, radio)
         self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
         self.plan: Plan | None = None
         self._seed, self._next = 0, 0  # of the episodes
-        self._seeded = False
+        self._seeded = self._ended = False
 
     @property
     def base(self) -> Any:
@@ -126,7 +127,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         key = int(episode_key(split, np.uint64(self._seed), np.uint64(number)))
         inner = {"config": chosen["config"]} if "config" in chosen else None
         _, info = self.env.reset(seed=key, options=inner)
-        base = self.base
+        base, self._ended = self.base, False
         self.plan = Plan(base.road, base.vehicle)
         if self.driver == "idm":
             hand_over(base, self.plan.speed_mps)
@@ -142,12 +143,13 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         Raises
         ------
         gymnasium.error.ResetNeeded
-            Before the first reset.
+            Before the first reset, and after the end of an episode.
         """
-        if self.plan is None:
+        if self.plan is None or self._ended:
             raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
         self.sensor.decide()
         _, reward, terminated, truncated, info = self.env.step(action)
+        self._ended = bool(terminated or truncated)
         return self._observe(), reward, bool(terminated), bool(truncated), info | self._info()
 
     def _observe(self) -> np.ndarray:
@@ -171,9 +173,10 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         return self._writer.write(known, (np.cos(heading), np.sin(heading)), *self.sensor.sense())
 
     def _info(self) -> dict[str, Any]:
-        e = self.sensor.episode
+        e, collision = self.sensor.episode, bool(self.base.vehicle.crashed)
         return {
-            "collision": bool(self.base.vehicle.crashed),
+            "collision": collision,
+            "snmac": collision or bool(e["snmac"]),
             "zone": bool(e["zone"]),
             "min_separation_m": float(e["min_separation_m"]),
         }

@@ -21,8 +21,7 @@ class Batch(Protocol):
 
     params: Params
     world: World
-    own: NDArray[Any]  # (n,) OWN
-    others: NDArray[Any]  # (n, K) OTHER
+    seen: Any  # core.Seen
 
 
 class Recorder:
@@ -56,12 +55,12 @@ class Recorder:
         Returns
         -------
         Scene
-            An intruder's estimate is its last message, moved on at the message's velocity; on track `range`, whose
-            messages carry no position, there is none.
+            An intruder's estimate is the agent's own solution and the track of the intruder on top of it; while there
+            is no track there is none.
         """
         params, episode = batch.params, batch.world.episode[row]
         duration_s = float(episode["ticks"] * params.clock.tick_s)
-        flown = np.array(self._flown)
+        flown, own = np.array(self._flown), batch.seen.own[row]
 
         def seen(a: int, estimate_m: NDArray[np.float64] | None) -> dict[str, Any]:
             craft = batch.world.aircraft[row, a]
@@ -75,9 +74,8 @@ class Recorder:
 
         intruders = []
         for k in range(flown.shape[1] - 1):
-            other, estimate_m = batch.others[row, k], None
-            if other["valid"] and params.interface.track != "range":
-                estimate_m = other["position_m"] + other["age_s"] * other["velocity_mps"]
+            other, track = batch.seen.others[row, k], batch.world.tracks[row, k]
+            estimate_m = own["position_m"] + track["position_m"] if track["valid"] else None
             intruders.append(
                 Intruder(
                     **seen(1 + k, estimate_m),
@@ -88,9 +86,9 @@ class Recorder:
                 )
             )
         return Scene(
-            own=Aircraft(**seen(0, batch.own[row]["position_m"].copy())),
-            planned_m=batch.own[row]["planned_m"].copy(),
-            way_point_m=batch.own[row]["way_point_m"].copy(),
+            own=Aircraft(**seen(0, own["position_m"].copy())),
+            planned_m=own["planned_m"].copy(),
+            way_point_m=own["way_point_m"].copy(),
             intruders=tuple(intruders),
             time_s=float(episode["tick"] * params.clock.tick_s),
             duration_s=duration_s,

@@ -8,7 +8,6 @@ from typing import Any, Final, Protocol
 
 import numpy as np
 
-from rss_gym.params import Params
 from rss_gym.tracking import bank
 from rss_gym.tracking.models import MODEL, model
 from rss_gym.tracking.record import BANK, BEARINGS, FUSED, FUSED_COLUMNS, LATEST, TRACK
@@ -40,10 +39,10 @@ class Tracker(Protocol):
         """
 
 
-def memory_columns(params: Params, tracker: str) -> int:
+def memory_columns(tracker: str) -> int:
     """Floats that a tracker remembers of one intruder."""
     if tracker == "bearings":
-        return BANK + bank.COLUMNS * int(model(params)["hypotheses"][0])
+        return BANK + bank.SIZE
     return FUSED_COLUMNS if tracker == "fused" else 1
 
 

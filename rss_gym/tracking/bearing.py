@@ -1,8 +1,9 @@
 """Where the other is, from ranges and two velocities: a bank of the filter (12)-(21) taken to the plane, by bearing.
 
-Each hypothesis is a Gaussian over [x, y, phi, beta]: the relative position, the coloured noise and the deviation of the
-path loss factor. It is moved by the known relative velocity, in place of psi of (12), and weighted by its likelihood. A
-straight relative flight leaves its mirror image as likely; only a change of the relative velocity separates the two.
+Each hypothesis is a Gaussian over [x, y, phi]: the relative position and the coloured noise, with which goes what the
+path loss factor's wander does to the RSS. It is moved by the known relative velocity, in place of psi of (12), and
+weighted by its likelihood. A straight relative flight leaves its mirror image as likely; only a change of the relative
+velocity separates the two.
 
 The measurement is what the link's filter holds of the RSS, z = phi_hat - 10 gamma log10 d_hat. The errors of d_hat are
 correlated over seconds; those of z are the coloured noise, which the state carries with its variance and time, and a
@@ -48,65 +49,63 @@ def open_covariance(range_m, range_variance_m2, path_loss_factor, coloured_varia
     return -gain * prior / slope, coloured_variance_db2 * (1.0 - gain)
 
 
-@kernel(inline="always")
-def predict(c, p, dx, dy, spread_m2, a, coloured_variance_db2, b, factor_variance):
+@kernel(forceinline=True)
+def predict(c, p, dx, dy, spread_m2, a, coloured_variance_db2):
     """(16)-(17) over a decision.
 
     Parameters
     ----------
-    c : (x, y, phi, beta)
-        Relative position (m), coloured noise (dB), deviation of the path loss factor.
-    p : tuple of 10 floats
+    c : (x, y, phi)
+        Relative position (m) and coloured noise (dB).
+    p : tuple of 6 floats
         Upper triangle of their covariance, row by row.
     dx, dy : float
         Relative way flown, m.
     spread_m2 : float
         What its error adds to the variance of each axis.
-    a, b : float
-        Decay of the coloured noise and of the path loss factor over the decision.
-    coloured_variance_db2, factor_variance : float
-        Their stationary variances.
+    a : float
+        Decay of the coloured noise over the decision.
+    coloured_variance_db2 : float
+        Its stationary variance.
     """
-    x, y, phi, beta = c
-    xx, xy, xp, xb, yy, yp, yb, pp, pb, bb = p
+    x, y, phi = c
+    xx, xy, xp, yy, yp, pp = p
     pp = a * a * pp + coloured_variance_db2 * (1.0 - a * a)
-    bb = b * b * bb + factor_variance * (1.0 - b * b)
-    c = x + dx, y + dy, a * phi, b * beta
-    return c, (xx + spread_m2, xy, a * xp, b * xb, yy + spread_m2, a * yp, b * yb, pp, a * b * pb, bb)
+    return (x + dx, y + dy, a * phi), (xx + spread_m2, xy, a * xp, yy + spread_m2, a * yp, pp)
 
 
-@kernel(inline="always")
+@kernel(forceinline=True)
 def update(c, p, z_db, path_loss_factor, variance_db2, floor_m):
     """(18)-(21) to second order, which near the other keeps a wide Gaussian from being taken at its tangent.
 
     Returns
     -------
-    c, p, log_likelihood
-        The likelihood without its constant.
+    c, p, innovation, s
+        The innovation and its variance, of which the likelihood is exp(-innovation^2 / 2 s) / sqrt(s) but for a
+        constant.
     """
-    x, y, phi, beta = c
-    xx, xy, xp, xb, yy, yp, yb, pp, pb, bb = p
+    x, y, phi = c
+    xx, xy, xp, yy, yp, pp = p
     square = max(x * x + y * y, floor_m * floor_m)
-    h_d = -10.0 * (path_loss_factor + beta) / LN10  # slope of (3) in ln d
-    h_x, h_y, h_b = h_d * x / square, h_d * y / square, -5.0 * log10(square)
+    h_d = -10.0 * path_loss_factor / LN10  # slope of (3) in ln d
+    h_x, h_y = h_d * x / square, h_d * y / square
     # The Hessian is h_d / d^2 times diag(-1, 1) along and across the line of sight.
     radial = (x * x * xx + 2.0 * x * y * xy + y * y * yy) / square
     across = xx + yy - radial
     curve = h_d / square
     bend = 0.5 * curve * (across - radial)
     bend2 = 0.5 * curve * curve * ((across - radial) * (across - radial) + 2.0 * (xx * yy - xy * xy))
-    g_x = xx * h_x + xy * h_y + xp + xb * h_b
-    g_y = xy * h_x + yy * h_y + yp + yb * h_b
-    g_p = xp * h_x + yp * h_y + pp + pb * h_b
-    g_b = xb * h_x + yb * h_y + pb + bb * h_b
-    s = h_x * g_x + h_y * g_y + g_p + h_b * g_b + bend2 + variance_db2
-    innovation = z_db - ((path_loss_factor + beta) * h_b + phi + bend)
-    step = innovation / s
-    c = x + g_x * step, y + g_y * step, phi + g_p * step, beta + g_b * step
+    g_x = xx * h_x + xy * h_y + xp
+    g_y = xy * h_x + yy * h_y + yp
+    g_p = xp * h_x + yp * h_y + pp
+    s = h_x * g_x + h_y * g_y + g_p + bend2 + variance_db2
+    innovation = z_db - (0.5 * h_d * log(square) + phi + bend)
+    w = 1.0 / s
+    step = innovation * w
+    c = x + g_x * step, y + g_y * step, phi + g_p * step
     p = (
-        xx - g_x * g_x / s, xy - g_x * g_y / s, xp - g_x * g_p / s, xb - g_x * g_b / s,
-        yy - g_y * g_y / s, yp - g_y * g_p / s, yb - g_y * g_b / s,
-        pp - g_p * g_p / s, pb - g_p * g_b / s,
-        bb - g_b * g_b / s,
+        xx - g_x * g_x * w, xy - g_x * g_y * w, xp - g_x * g_p * w,
+        yy - g_y * g_y * w, yp - g_y * g_p * w,
+        pp - g_p * g_p * w,
     )  # fmt: skip
-    return c, p, -0.5 * (innovation * step + log(s))
+    return c, p, innovation, s

@@ -122,7 +122,7 @@ def predict(m, dx, dy, period_s, a_b, a_e, noise_p, noise_b, noise_e):
 
 @kernel(forceinline=True)
 def correct(m, g0, g1, g2, g3, g4, g5, innovation, variance):
-    """x + g nu / s and P - g g^T / s, with g = P h and s = h^T P h + r."""
+    """X + g nu / s and P - g g^T / s, with g = P h and s = h^T P h + r."""
     g, w = (g0, g1, g2, g3, g4, g5), 1.0 / variance
     for i in range(SIZE):
         m[STATE + i] += g[i] * w * innovation
@@ -200,6 +200,22 @@ def given_range(x, y, xx, xy, yy, range_m, variance_m2):
 
 
 @kernel(forceinline=True)
+def take_range(m, other, track, model):
+    """Correct the state by the horizontal part of the range, whose error lasts, and write the position given it."""
+    t = model.decision_s
+    d, h = other.range_m, m[HEIGHT]
+    variance, lasts_s = error_of(
+        other.range_std_m * other.range_std_m, d, log(max(d, 1.0)), model.range_share, other, model
+    )
+    level = sqrt(max(d * d - h * h, NEAREST_M * NEAREST_M))
+    variance = (d * d * variance + h * h * m[HEIGHT + 1]) / (level * level)
+    measure(m, level, variance, 1.0 + 2.0 * model.range_repeat * lasts_s / t)
+    track.position_m[0], track.position_m[1], track.xx, track.xy, track.yy = given_range(
+        m[STATE + PX], m[STATE + PY], m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)], level, variance
+    )
+
+
+@kernel(forceinline=True)
 def start(memory):
     """Forget the episode before."""
     memory[OPEN] = 0.0
@@ -245,18 +261,12 @@ def advance(own, other, memory, track, model):
             m[HEIGHT + 1] += 0.0 if model.planar else unheard_m2
     m[AGE], m[STATED] = age, stated_m2
     m[VELOCITY], m[VELOCITY + 1], m[VELOCITY + 2] = vx, vy, vz
-    # The range's horizontal part; its error lasts.
-    d, h = other.range_m, m[HEIGHT]
-    variance, lasts_s = error_of(
-        other.range_std_m * other.range_std_m, d, log(max(d, 1.0)), model.range_share, other, model
-    )
-    level = sqrt(max(d * d - h * h, NEAREST_M * NEAREST_M))
-    variance = (d * d * variance + h * h * m[HEIGHT + 1]) / (level * level)
-    measure(m, level, variance, 1.0 + 2.0 * model.range_repeat * lasts_s / t)
-    track.position_m[0], track.position_m[1], track.xx, track.xy, track.yy = given_range(
-        m[STATE + PX], m[STATE + PY], m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)], level, variance
-    )
-    track.position_m[2], track.zz = h, m[HEIGHT + 1]
+    if model.uses_range:
+        take_range(m, other, track, model)
+    else:
+        track.position_m[0], track.position_m[1] = m[STATE + PX], m[STATE + PY]
+        track.xx, track.xy, track.yy = m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)]
+    track.position_m[2], track.zz = m[HEIGHT], m[HEIGHT + 1]
     track.velocity_mps[0], track.velocity_mps[1] = vx - m[STATE + BX], vy - m[STATE + BY]
     track.velocity_mps[2] = vz
     track.side_probability = 1.0

@@ -8,16 +8,15 @@ from rss_gym.params import Params
 from rss_gym.physics.elementary import log
 from rss_gym.physics.noise import decay
 
-f8, i8, b1 = np.float64, np.int64, np.bool_
+f8, b1 = np.float64, np.bool_
 
 # Recommended fields of `params.tracking`; taken from there where it has them.
 DEFAULTS: Final = {
     "unheard_mps": 1.0,  # error of an intruder's velocity that is no longer told
     "unheard_tc_s": 5.0,  # how long that error lasts
-    "message_share": 20.0,  # k of Var = std^2 (1 + k (std / distance)^2) of a fix by radio
-    "range_share": 6.0,  # the same of a range
-    "range_repeat": 4.0,  # how often the same error of the range comes back, in its correlation times
-    "hypotheses": 24,
+    "message_share": 30.0,  # k of Var = std^2 (1 + k (std / distance)^2) of a fix by radio
+    "range_share": 8.0,  # the same of a range
+    "range_repeat": 2.0,  # how often the same error of the range comes back, in its correlation times
     "miss_std_m": 42.0,
     "rest_inflation": 3.0,
 }
@@ -27,6 +26,7 @@ MODEL = np.dtype(
         ("decision_s", f8),
         ("tick_s", f8),
         ("planar", b1),
+        ("uses_range", b1),
         ("velocity_variance_m2ps2", f8),  # of the relative velocity, per axis: both sides' solutions
         ("velocity_decay", f8),  # of its error over a decision
         ("own_tc_s", f8),  # correlation time of the position's error; 0: a fix by radio, whose time follows from it
@@ -43,10 +43,8 @@ MODEL = np.dtype(
         ("range_share", f8),
         ("range_repeat", f8),
         # Of the bank of bearings
-        ("hypotheses", i8),
         ("process_noise_m2", f8),  # of the link's filter, in a tick
         ("rest_inflation", f8),
-        ("factor_decay", f8),  # of that deviation, over a decision
         ("vertical_variance_m2", f8),  # of the height between the two, which the bank leaves out
         ("spread_m2", f8),  # variance of the relative way flown in a decision, per axis, and without messages
         ("spread_unheard_m2", f8),
@@ -57,6 +55,7 @@ MODEL = np.dtype(
 )
 
 NODE_SHARE: Final = 0.7  # of the square's side: from inside it to its corners
+MANOEUVRE_MPS: Final = 0.2  # error of a relative velocity that is read twice a second in gusts and turns, per axis
 FOREVER_S: Final = 1e6
 FLOOR_M: Final = 1.0  # nearer, the slope of the path loss would say more about the bearing than the motion can
 CLOSING_STD_MPS: Final = 0.5  # the message may already tell the first half second of braking
@@ -72,9 +71,10 @@ def model(params: Params) -> np.ndarray:
     out = np.zeros(1, MODEL)
     clock, nav, encounter = params.clock, params.navigation, params.encounter
     out["decision_s"], out["tick_s"], out["planar"] = clock.decision_s, clock.tick_s, encounter.planar
+    out["uses_range"] = params.tracking.track_range
     speed = {"gnss": nav.velocity_mps, "rss": nav.velocity_mps, "dead-reckoning": nav.dead_reckoning_mps}
     variance = speed[nav.agent] ** 2 + speed[nav.intruder] ** 2
-    out["velocity_variance_m2ps2"] = variance
+    out["velocity_variance_m2ps2"] = variance + MANOEUVRE_MPS**2
     out["velocity_decay"] = decay(clock.decision_s, nav.velocity_tc_s)
     time_s = {"gnss": nav.gnss_tc_s, "rss": 0.0, "dead-reckoning": FOREVER_S}
     out["own_tc_s"], out["other_tc_s"] = time_s[nav.agent], time_s[nav.intruder]
@@ -85,12 +85,11 @@ def model(params: Params) -> np.ndarray:
     out["node_log"] = log(NODE_SHARE * nav.node_square_m)
     unheard = _value(params, "unheard_mps")
     out["unheard_mps"], out["unheard_m2ps"] = unheard, 2.0 * unheard**2 * _value(params, "unheard_tc_s")
-    for name in ("message_share", "range_share", "range_repeat", "hypotheses", "rest_inflation", "miss_std_m"):
+    for name in ("message_share", "range_share", "range_repeat", "rest_inflation", "miss_std_m"):
         out[name] = _value(params, name)
     out["process_noise_m2"] = params.ranging.process_noise_m2
     out["wander"] = np.sqrt(np.mean([channel.path_loss_wander**2 for channel in params.channels]))
     out["wander_tc_s"] = max(channel.path_loss_wander_tc_s for channel in params.channels)
-    out["factor_decay"] = decay(clock.decision_s, max(c.path_loss_wander_tc_s for c in params.channels))
     out["vertical_variance_m2"] = 0.0 if encounter.planar else encounter.vertical_offset_m**2
     out["spread_m2"] = variance * DRIFT_S * clock.decision_s
     out["spread_unheard_m2"] = (variance + unheard**2) * DRIFT_S * clock.decision_s

@@ -40,5 +40,7 @@ STATE: Final = 8  # position (2), error of the relative velocity (2), error of t
 COVARIANCE: Final = 14  # of the state, 6 x 6, row by row
 FUSED_COLUMNS: Final = 50
 
-# Memory of `bearings`: open, relative velocity (2), then the hypotheses of `bank`, row by row.
-BANK: Final = 3
+# Memory of `bearings`: open as above, measured relative velocity (2), side chosen, then the bank.
+WAY: Final = 1
+SIDE: Final = 3
+BANK: Final = 4

@@ -1,4 +1,4 @@
-"""What every environment must keep, whatever its id, track and kind of action."""
+"""What every environment must keep, whatever its id, information and kind of action."""
 
 import copy
 import importlib
@@ -51,8 +51,8 @@ def test_ids_are_all(request):
     assert {*IDS, *ROADS} == {name for name in gym.registry if name.startswith("rss_gym/")}
 
 
-def test_gymnasium_check_env(env_id, track, action):
-    env = gym.make(env_id, track=track, action=action).unwrapped
+def test_gymnasium_check_env(env_id, information, action):
+    env = gym.make(env_id, information=information, action=action).unwrapped
     check_env(env, skip_render_check=True)
     env.close()
 
@@ -64,15 +64,18 @@ def test_gymnasium_check_env_with_render_modes(env_id):
     env.close()
 
 
-def test_sb3_check_env(env_id, track, action):
+def test_sb3_check_env(env_id, information, action):
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    for env in (EncounterEnv(**REGISTERED[env_id] | {"track": track, "action": action}), gym.make(env_id, track=track)):
+    for env in (
+        EncounterEnv(**REGISTERED[env_id] | {"information": information, "action": action}),
+        gym.make(env_id, information=information),
+    ):
         checker.check_env(env, warn=True)
 
 
-def test_default_wrappers_pass_data_on(env_id, track, action):
+def test_default_wrappers_pass_data_on(env_id, information, action):
     """`gym.make` checks what is returned and warns; here a warning is an error."""
-    env = gym.make(env_id, track=track, action=action)
+    env = gym.make(env_id, information=information, action=action)
     env.reset(seed=0)
     end(env, lambda _: env.action_space.sample())
 
@@ -81,8 +84,8 @@ def test_default_wrappers_pass_data_on(env_id, track, action):
 
 
 @pytest.mark.parametrize("how", ["pickle", "deepcopy"])
-def test_copy_goes_on_alike(env_id, track, action, how):
-    env = gym.make(env_id, track=track, action=action, channel=CHANNELS, intruders=2)
+def test_copy_goes_on_alike(env_id, information, action, how):
+    env = gym.make(env_id, information=information, action=action, channel=CHANNELS, intruders=2)
     env.action_space.seed(1)
     env.reset(seed=3)
     for _ in range(20):
@@ -117,9 +120,9 @@ def test_vector_pickle_goes_on_alike(env_id):
     "keywords",
     [
         {},
-        {"reach_m": 12.5, "intruders": 2, "agent": "gnss", "intruder": "gnss"},
+        {"gust_mps": 0.125, "intruders": 2, "agent": "gnss", "intruder": "gnss"},
         {"channel": CHANNELS, "families": ["crossing", "head-on"]},
-        {"params": Params.of(channel=CHANNELS, reach_m=17.0, collision=50.0, estimator="ls").to_dict()},
+        {"params": Params.of(channel=CHANNELS, announce_s=7.0, collision_price_m=50.0, estimator="ls").to_dict()},
     ],
     ids=["default", "keywords", "list-of-channels", "params"],
 )
@@ -140,8 +143,8 @@ def test_spec_round_trip(env_id, keywords):
 # -- data -------------------------------------------------------------------------------------------------------------
 
 
-def test_fresh_objects(env_id, track, action):
-    env = gym.make(env_id, track=track, action=action)
+def test_fresh_objects(env_id, information, action):
+    env = gym.make(env_id, information=information, action=action)
     results = [env.reset(seed=0)]
     kept = copy.deepcopy(results)
     for _ in range(30):
@@ -179,8 +182,8 @@ def test_fresh_vector_objects(mode):
         assert not any(np.shares_memory(array, part) for part in results[-1][-1].values() if part.dtype != object)
 
 
-def test_observations_stay_in_their_space(env_id, track, action):
-    env = gym.make(env_id, track=track, action=action).unwrapped
+def test_observations_stay_in_their_space(env_id, information, action):
+    env = gym.make(env_id, information=information, action=action).unwrapped
     generator = np.random.default_rng(0)
     lows, highs = [], []
     for episode in range(6):
@@ -202,16 +205,18 @@ def test_observations_stay_in_their_space(env_id, track, action):
     "keywords",
     [
         {"intruders": 2, "intruders_min": 1, "planar": False},
-        {"agent": "rss", "intruder": "gnss", "zone": "adaptive"},
+        {"agent": "gnss", "intruder": "gnss", "zone": "adaptive"},
         {"agent": "dead-reckoning", "intruder": "dead-reckoning", "planar": False},
         {"estimator": "ls", "channel": {"packet_loss": 0.9}},
         {"estimator": "ekf-white", "channel": {"quantisation_db": 20.0}},
         {"channel": {"sensitivity_dbm": 0.0}},
         {"channel": {"white_variance_db2": 400.0, "coloured_variance_db2": 400.0}, "estimator": "ls"},
         {"channel": {"white_variance_db2": 0.0, "coloured_variance_db2": 1e-6, "path_loss_wander": 0.0}},
-        {"channel": {"path_loss_factor": 1.0, "path_loss_wander": 2.0}, "agent": "rss"},
-        {"channel": ["paper", "quadcopter", "wifi-walk", "ble-indoor", "clean"], "tick_s": 0.01, "decision_s": 0.1},
-        {"tail_s": 0.0, "decision_s": 10.0},
+        {"channel": {"path_loss_factor": 1.0, "path_loss_wander": 2.0}},
+        {"channel": ["radios", "clean"], "tick_s": 0.01, "decision_s": 0.1},
+        {"tail_min_s": 0.0, "tail_max_s": 0.0, "decision_s": 10.0},
+        {"message_latency_s": 1.5, "message_loss": 0.5, "announce_s": 0.0},
+        {"estimator": "ekf-white-r", "tracker": "latest", "intruders": 3},
     ],
     ids=lambda keywords: "-".join(keywords),
 )
@@ -236,11 +241,11 @@ def test_no_nan_in_odd_worlds(keywords):
 # -- the end of an episode --------------------------------------------------------------------------------------------
 
 
-def test_ends(env_id, track):
+def test_ends(env_id, information):
     """A collision terminates, the clock truncates, never both; an info tells which."""
-    env = gym.make(env_id, track=track).unwrapped
+    env = gym.make(env_id, information=information).unwrapped
     collisions = clocks = 0
-    for episode in range(40):
+    for episode in range(100):
         _, info = env.reset(seed=0, options={"episode": episode})
         assert not info["collision"] and not info["is_success"]
         flight = end(env, lambda _: np.zeros(env.action_space.shape, np.float32))
@@ -255,13 +260,15 @@ def test_ends(env_id, track):
         if terminated:
             collisions += 1
             assert info["min_separation_m"] < env.params.zone.collision_m
-            assert info["cost"] == 1.0
-            assert info["reward_collision"] <= -env.params.reward.collision
+            assert info["reward_collision"] == -env.params.reward.collision_price_m
+            assert info["reward_snmac"] in (0.0, -env.params.reward.snmac_price_m)
+            assert info["cost_m"] >= env.params.reward.collision_price_m + env.params.reward.snmac_price_m
         else:
             clocks += 1
             assert len(flight) == state["ticks"] // env.params.clock.ticks_per_decision
             assert info["min_separation_m"] >= env.params.zone.collision_m
-            assert state["ticks"] * 0.1 == pytest.approx(state["approach_s"] + env.params.clock.tail_s, abs=0.5)
+            tail_s, clock = state["ticks"] * 0.1 - state["approach_s"], env.params.clock
+            assert clock.tail_min_s - 1e-9 <= tail_s < clock.tail_max_s + clock.decision_s
     assert collisions >= 5
     assert clocks >= 5
 
@@ -314,7 +321,7 @@ def test_entry_points_are_strings():
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 def test_equals_gymnasiums_own_vector_environment(env_id, action, mode):
     """Observations, rewards, ends and infos, key by key, of `SyncVectorEnv` over single environments."""
-    keywords = {"action": action, "tail_s": 5.0}
+    keywords = {"action": action, "tail_min_s": 5.0, "tail_max_s": 5.0}
     ours = gym.make_vec(env_id, num_envs=3, autoreset_mode=mode, **keywords)
     theirs = gym.make_vec(
         env_id, num_envs=3, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}, **keywords
@@ -355,7 +362,9 @@ def test_single_wrappers(env_id):
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_vector_wrappers(env_id, mode):
     wrappers = gym.wrappers.vector
-    envs = wrappers.RecordEpisodeStatistics(gym.make_vec(env_id, num_envs=4, tail_s=5.0, autoreset_mode=mode))
+    envs = wrappers.RecordEpisodeStatistics(
+        gym.make_vec(env_id, num_envs=4, tail_min_s=5.0, tail_max_s=5.0, autoreset_mode=mode)
+    )
     envs = wrappers.RescaleAction(envs, np.full(envs.single_action_space.shape, -5.0, np.float32), np.float32(5.0))
     envs.reset(seed=0)
     seen, lengths, returns, running = 0, [], np.zeros(4), np.zeros(4, int)
@@ -388,8 +397,8 @@ def test_dict_info_to_list():
 # -- rendering --------------------------------------------------------------------------------------------------------
 
 
-def test_rgb_array(env_id, track):
-    env = gym.make(env_id, track=track, render_mode="rgb_array")
+def test_rgb_array(env_id, information):
+    env = gym.make(env_id, information=information, render_mode="rgb_array")
     env.reset(seed=0)
     first = env.render()
     for _ in range(30):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rss_gym.eval.costs import cost_m
 from rss_gym.eval.metrics import Flights
 from rss_gym.eval.table import TABLE
 
@@ -33,7 +34,9 @@ POLICY = {
     "deviation_max_m": [30, 12, 4, 2, 150, 1],
     "manoeuvre_m": [9, 20, 2, 3, 3.5, 8],
     "flown_m": [100, 330, 300, 303, 200, 300],
-    "cost": [10, 4, 3, 2, 8, 3],
+    "deviation_end_m": [30, 12, 9.9, 10, 40, 0],
+    "zone_severity": [0.3, 0.2, 0.4, 0.1, 0.5, 0],
+    "cost_m": [10_110, 5, 102, 1, 10_120, 0],
     "warned_s": [30, -1, 40, 20, 10, -1],
     "fault": [F, F, F, T, F, F],
 }
@@ -58,8 +61,10 @@ def random_table(generator, n, risk=0.2):
         out[event] = out["min_separation_m"] < limit_m
     out["flown_s"] = np.where(out["collision"], generator.uniform(20, 60, n), out["duration_s"])
     out["closest_s"] = generator.uniform(0, out["flown_s"])
-    for name in ("deviation_mean_m", "deviation_max_m", "manoeuvre_m", "cost"):
+    for name in ("deviation_mean_m", "deviation_max_m", "deviation_end_m", "manoeuvre_m"):
         out[name] = generator.exponential(5.0, n)
+    out["zone_severity"] = generator.random(n) * out["zone"]
+    out["cost_m"] = cost_m(out["deviation_mean_m"], out["snmac"], out["collision"])
     out["flown_m"], out["planned_m"] = generator.uniform(200, 400, (2, n))
     out["warned_s"] = np.where(generator.random(n) < 0.1, -1.0, generator.uniform(0, 40, n))
     out["false_alerts"], out["missed_ticks"] = generator.poisson(0.3, n), generator.poisson(4.0, n)

@@ -71,7 +71,7 @@ class Page(HTMLParser):
             self.suite = self.words
         if tag == "h3":
             self.run = self.words
-        if tag == "p" and self.words.startswith("Track"):
+        if tag == "p" and self.words.startswith("Information"):
             self.heading = f"{self.suite} / {self.run} / {self.words.split(':')[0]}"
         if tag == "h2" and self.words == "Records":
             self.heading = "Records"
@@ -88,27 +88,44 @@ def page(folders, out):
     return Page(site.page), site.notes
 
 
-def test_one_table_a_track_official_runs_first(runs, tmp_path):
+def test_one_table_a_level_of_information_official_runs_first(runs, tmp_path):
     read, notes = page(runs.values(), tmp_path / "site")
     names = {heading: [re.sub(r"record.*", "", name) for name in names] for heading, names in read.names().items()}
     official = "Suite smoke-v0 / Official runs: 100 encounters of split suite, seed 0"
     assert list(names) == [
-        "Suite encounter-v0 / Other runs: 30 encounters of split suite, seed 0 / Track paper",
-        f"{official} / Track oracle",
-        f"{official} / Track paper",
-        "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 0 / Track paper",
-        "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 7 / Track paper",
+        "Suite encounter-v0 / Other runs: 30 encounters of split suite, seed 0 / Information positions",
+        f"{official} / Information oracle",
+        f"{official} / Information positions",
+        "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 0 / Information positions",
+        "Suite smoke-v0 / Other runs: 40 encounters of split suite, seed 7 / Information positions",
     ]
-    assert names[f"{official} / Track oracle"] == ["orthogonal@oracle"]
-    assert set(names[f"{official} / Track paper"]) == {"rule 80", "orthogonal", "none", "flyers:NanOnce"}
-    assert names[f"{official} / Track paper"][-2:] == ["none", "flyers:NanOnce"]
+    assert names[f"{official} / Information oracle"] == ["orthogonal@oracle"]
+    assert set(names[f"{official} / Information positions"]) == {"rule 80", "orthogonal", "none", "flyers:NanOnce"}
+    assert names[f"{official} / Information positions"][-2:] == ["none", "flyers:NanOnce"]
     assert any("orthogonal (record 3) is left out: orthogonal (record 1)" in note for note in notes)
 
 
 def test_a_policy_with_faults_is_not_ranked(runs, tmp_path):
     read, _ = page([runs["faulty"]], tmp_path / "site")
+    text = (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
     (rows,) = [rows[1:] for heading, rows in read.tables if heading != "Records"]
-    assert rows[-1][0] == "–" and re.search(r"not ranked: \d+ faults", rows[-1][1]) and rows[0][0] == "1"
+    assert rows[-1][0] == "–" and re.search(r"not ranked: \d+ faults?", rows[-1][1]) and rows[0][0] == "1*"
+    (red,) = [markup for markup in re.findall("<tr.*?</tr>", text, re.DOTALL) if 'class="fault"' in markup]
+    assert "flyers:NanOnce" in red and red.startswith('<tr class="fault">')
+    assert "tr.fault" in text and "color: var(--red)" in text
+
+
+def test_rows_are_in_order_of_cost_with_the_difference_from_the_first(runs, tmp_path):
+    read, _ = page([runs["official"], runs["second"]], tmp_path / "site")
+    headings, *rows = read.tables[1][1]
+    assert headings[2:5] == ["cost (m)", "more than the first (m)", "collision rate"]
+    assert headings[5:] == ["sNMAC rate", "path deviation mean (m)", "unnecessary manoeuvre rate", "zone severity",
+                            "path regained rate", "faults"]  # fmt: skip
+    costs = {row[1]: float(re.match("[0-9.,]+", row[2])[0].replace(",", "")) for row in rows}
+    assert list(costs.values()) == sorted(costs.values()) and rows[0][3] == "" and rows[-1][1].startswith("none")
+    for row in rows[1:]:
+        more = float(re.match("[0-9.,]+", row[3])[0].replace(",", ""))
+        assert more == pytest.approx(costs[row[1]] - costs[rows[0][1]], rel=0.02)
 
 
 def test_records_are_copied_and_linked(runs, tmp_path):
@@ -210,7 +227,7 @@ def test_code_of_one_name_and_other_flights_is_listed_twice(tmp_path):
     assert any("mine (record 2) is left out" in note for note in notes)
 
 
-def test_a_rule_on_another_track_is_one_policy_over_other_encounters_too(runs, tmp_path):
+def test_a_rule_with_other_information_is_one_policy_over_other_encounters_too(runs, tmp_path):
     """Of whatever is not the package's, both rows are listed."""
     other = scored(["orthogonal@oracle"], tmp_path / "other", suite="smoke-v0", episodes=20, seed=9)
     notes = build([runs["official"], other], tmp_path / "site").notes
@@ -229,10 +246,10 @@ def test_records_that_contradict_each_other_are_refused(runs, tmp_path):
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        (lambda c: c["policies"][1]["metrics"]["risk_ratio_upper"].update(value=1e-6), "risk_ratio_upper.value"),
+        (lambda c: c["policies"][1]["metrics"]["cost_m"].update(value=1e-6), "cost_m.value"),
         (lambda c: c["policies"][1]["metrics"].pop("faults"), "faults"),
         (lambda c: c.update(official=False), "official = False must be True"),
-        (lambda c: c["policies"][1].update(track="range"), "track"),
+        (lambda c: c["policies"][1].update(information="ranges"), "information"),
         (lambda c: c["policies"][1].update(hash="0" * 64), "hash"),
         (lambda c: c["params"]["zone"].update(collision_m=4.4), "collision"),
         (lambda c: c["params"]["reward"].update(comfort_m=4.4), "suite_hash"),

@@ -5,22 +5,20 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from rss_gym.eval.intervals import paired_risk_ratio
 from rss_gym.eval.metrics import METRICS, Estimate, measure
 from rss_gym.params import ParamsError
 
 # Name -> (value, n), worked out by hand from the columns in conftest.py.
 EXPECTED = {
-    "faults": (1, 6),
+    # 10 + 100 + 10,000, 5, 2 + 100, 1, 20 + 100 + 10,000, 0
+    "cost_m": (20_338 / 6, 6),
     "collision_rate": (2 / 6, 6),
     "snmac_rate": (3 / 6, 6),
     "zone_violation_rate": (5 / 6, 6),
-    # 1 - d/120: 0.975, 0.75, 0.9, 0.5, 0.98333, 0
-    "zone_severity_p50": ((0.75 + 0.9) / 2, 6),
-    "zone_severity_p95": (118 / 120, 6),
+    "zone_severity": (1.5 / 6, 6),
+    "faults": (1, 6),
     # `none` collides in encounters 0 and 1, the policy in 0 and 4
     "risk_ratio": (1.0, 6),
-    "risk_ratio_upper": (paired_risk_ratio(1, 1, 1, 6, side="upper").high, 6),
     "risk_ratio_unresolved": (0.5, 6),
     "risk_ratio_induced": (0.5, 6),
     # Encounters 3, 4, 5 are clear; the policy leaves by 3 (not more than 3), 3.5 and 8 m
@@ -29,14 +27,15 @@ EXPECTED = {
     "alert_lead_time_p50_s": (17.5, 2),
     "alert_lead_time_p5_s": (15.0, 2),
     "never_alerted_rate": (1 / 3, 3),
-    # (10 * 40 + 120 * 60) / 100 = 76, 5, 2, 1, (20 * 70 + 120 * 30) / 100 = 50, 0
-    "path_deviation_mean_m": (134 / 6, 6),
-    # max(30, 120), 12, 4, 2, max(150, 120), 1
-    "path_deviation_max_m": (289 / 6, 6),
+    # 10, 5, 2, 1, 20, 0
+    "path_deviation_mean_m": (38 / 6, 6),
+    # 30, 12, 4, 2, 150, 1
+    "path_deviation_max_m": (199 / 6, 6),
     # Both complete 1, 3, 5
     "path_deviation_completed_m": ((5 + 1 + 0) / 3, 3),
+    # Without collision 1, 2, 3, 5, which end 12, 9.9, 10 (not below 10) and 0 m beside the path
+    "path_regained_rate": (2 / 4, 4),
     "extra_path": ((0.1 + 0.01 + 0.0) / 3, 3),
-    "cost_mean": (5.0, 6),
     # 2, 3, 12, 30, 60, 120
     "min_separation_p0_1_m": (2.0, 6),
     "min_separation_p1_m": (2.0, 6),
@@ -75,8 +74,9 @@ def test_intervals_by_hand(by_hand):
     assert (scores["collision_rate"].low, scores["collision_rate"].high) == pytest.approx(
         (0.043272, 0.777222), abs=1e-6
     )
-    # 5 -+ 2.570582 * 3.224903 / sqrt(6)
-    assert (scores["cost_mean"].low, scores["cost_mean"].high) == pytest.approx((1.615667, 8.384333), abs=1e-5)
+    # 38/6 -+ 2.570582 * 7.607014 / sqrt(6)
+    deviation = scores["path_deviation_mean_m"]
+    assert (deviation.low, deviation.high) == pytest.approx((-1.649739, 14.316405), abs=1e-5)
     # Six values: the median lies between least and greatest with 1 - 2 / 2^6
     assert (scores["min_separation_p50_m"].low, scores["min_separation_p50_m"].high) == (2.0, 120.0)
     assert (scores["faults"].low, scores["faults"].high) == (1.0, 1.0)
@@ -94,7 +94,7 @@ def test_none_against_itself(random_flights, make_flights):
     scores = measure(make_flights(none, none, none))
     assert scores["risk_ratio"].value == scores["risk_ratio_unresolved"].value == 1.0
     assert scores["risk_ratio_induced"].value == 0.0
-    assert 0.98 < scores["risk_ratio"].low < 1.0 < scores["risk_ratio_upper"].value < 1.02
+    assert 0.98 < scores["risk_ratio"].low < 1.0 < scores["risk_ratio"].high < 1.02
 
 
 def test_no_collision_is_bounded_by_clopper_pearson_over_the_rate_of_none(make_flights, make_table):
@@ -105,11 +105,8 @@ def test_no_collision_is_bounded_by_clopper_pearson_over_the_rate_of_none(make_f
     policy = make_table({"episode": range(n), "duration_s": 100.0, "flown_s": 100.0})
     scores = measure(make_flights(policy, none))
     assert (scores["risk_ratio"].value, scores["risk_ratio"].low) == (0.0, 0.0)
-    for name, error in (("risk_ratio_upper", 0.05), ("risk_ratio", 0.025)):
-        upper = 1.0 - error ** (1 / n)
-        estimate = scores[name]
-        found = estimate.value if name == "risk_ratio_upper" else estimate.high
-        assert found == pytest.approx(upper / (collided / n), rel=1e-3)
+    upper = 1.0 - 0.025 ** (1 / n)
+    assert scores["risk_ratio"].high == pytest.approx(upper / (collided / n), rel=1e-3)
 
 
 def test_without_collisions_of_none_ratios_are_undefined(random_flights, make_flights):
@@ -117,18 +114,19 @@ def test_without_collisions_of_none_ratios_are_undefined(random_flights, make_fl
     none = flights.none.copy()
     none["collision"] = False
     scores = measure(make_flights(flights.table, none))
-    for name in ("risk_ratio", "risk_ratio_upper", "risk_ratio_unresolved", "risk_ratio_induced"):
+    for name in ("risk_ratio", "risk_ratio_unresolved", "risk_ratio_induced"):
         assert (scores[name].value, scores[name].low, scores[name].high) == (None, None, None)
 
 
-def test_crashing_early_does_not_pay(make_flights, make_table):
-    """Two flights alike until one collides, the earlier the worse."""
-    means = []
+def test_a_collision_costs_and_leaves_the_deviation_alone(make_flights, make_table):
+    """Two flights alike until one collides, wherever: the deviation is that of what was flown."""
     for flown_s in (100.0, 80.0, 20.0):
+        hit = flown_s < 100.0
         columns = {"episode": [0], "duration_s": 100.0, "flown_s": flown_s, "deviation_mean_m": 30.0}
-        table = make_table(columns | {"collision": flown_s < 100.0})
-        means.append(measure(make_flights(table, table))["path_deviation_mean_m"].value)
-    assert means == pytest.approx([30.0, 48.0, 102.0])
+        table = make_table(columns | {"collision": hit, "snmac": hit, "cost_m": 30.0 + 10_100.0 * hit})
+        scores = measure(make_flights(table, table))
+        assert scores["path_deviation_mean_m"].value == 30.0
+        assert scores["cost_m"].value == 30.0 + 10_100.0 * hit
 
 
 def test_clustered_false_alerts_widen_the_interval(make_flights, make_table):

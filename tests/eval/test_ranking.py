@@ -1,27 +1,22 @@
 """The order of policies: by hand, and its properties on random ones."""
 
-import itertools
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rss_gym.eval.intervals import paired_risk_ratio
-from rss_gym.eval.metrics import measure
-from rss_gym.eval.ranking import ALPHA, Candidate, rank
+from rss_gym.eval.costs import SCORE, Costs, cost_m
+from rss_gym.eval.ranking import Candidate, front, rank
 
 N = 2000
-NONE = np.arange(N) < 800  # encounters in which `none` collides
 
 
-def entry(name, collided, deviation_m, faults=0):
-    """An entry that collides in the encounters given."""
-    collision = np.zeros(N, np.bool_)
+def entry(name, collided=(), deviation_m=10.0, faults=0, snmac=()):
+    """An entry that collides in the encounters given; each is an sNMAC too."""
+    collision, near = np.zeros(N, bool), np.zeros(N, bool)
     collision[list(collided)] = True
-    counts = [np.count_nonzero(x) for x in (collision & NONE, collision & ~NONE, ~collision & NONE)]
-    upper = paired_risk_ratio(*counts, N, side="upper").high
-    return Candidate(name, faults, upper, deviation_m, np.arange(N), collision)
+    near[[*collided, *snmac]] = True
+    return Candidate(name, faults, Costs(cost_m(deviation_m, near, collision), near, collision), np.arange(N))
 
 
 def names(places):
@@ -30,73 +25,72 @@ def names(places):
 
 
 def test_by_hand():
-    """`a` leads; `b` is not told apart (3 against 0, p = 0.25) and deviates less; `c` and `none` are."""
+    """A collision of 2,000 costs 5.05 m with its sNMAC."""
     entries = [
-        entry("none", range(800), 1.0),
-        entry("a", [], 30.0),
-        entry("b", range(3), 10.0),
-        entry("c", range(50), 5.0),
+        entry("none", range(800), 1.0),  # 4,041
+        entry("a", [], 30.0),  # 30
+        entry("b", range(3), 10.0),  # 25.15
+        entry("c", range(50), 5.0),  # 257.5
+        entry("d", [], 31.0, snmac=range(20)),  # 32
         entry("broken", [], 0.0, faults=1),
     ]
     places = rank(entries)
-    assert names(places) == ["b", "a", "c", "none", "broken"]
-    assert [place.place for place in places] == [1, 2, 3, 4, 5]
-    assert [place.group for place in places] == [1, 1, 2, 3, None]
-    assert [place.leader for place in places] == ["a", "a", "c", "none", None]
-    # The greatest of three: unchanged by Holm
-    assert places[0].p_adjusted == pytest.approx(0.25)
-    assert [place.p_adjusted for place in places[1:]] == [None] * 4
+    assert names(places) == ["b", "a", "d", "c", "none", "broken"]
+    assert [place.place for place in places] == [1, 2, 3, 4, 5, None]
+    assert [round(place.difference.value, 2) for place in places[1:5]] == [4.85, 6.85, 232.35, 4015.85]
+    assert places[0].difference is None and places[-1].difference is None
+    # `a` and `b` are not told apart: 3 collisions against none. `c` is.
+    assert places[1].difference.low < 0.0 < places[1].difference.high
+    assert places[3].difference.low > 0.0
+    assert [place.front for place in places] == [True, True, False, True, True, False]
+    assert [place.why_not for place in places] == [""] * 5 + ["not ranked: 1 fault"]
 
 
-def test_holm_spares_an_entry_that_one_test_would_separate():
-    """7 against 0 has p = 0.0156; after Holm over four such comparisons 0.0625."""
-    alone = rank([entry("safe", [], 9.0), entry("risky-0", range(7), 1.0)])
-    assert names(alone) == ["safe", "risky-0"]
-    five = [entry("safe", [], 9.0)] + [entry(f"risky-{i}", range(7 * i, 7 * i + 7), 1.0 + i) for i in range(4)]
-    assert names(rank(five)) == ["risky-0", "risky-1", "risky-2", "risky-3", "safe"]
+def test_differences_are_those_of_the_costs():
+    entries = [entry("a", range(5), 10.0), entry("b", range(3, 9), 12.0)]
+    first, second = rank(entries)
+    assert second.difference == entries[1].costs.minus(entries[0].costs)
+    assert rank(entries, differences=False)[1].difference is None and first.name == "a"
 
 
 def test_ties_go_by_name():
     entries = [entry(name, [1], 5.0) for name in "dbca"]
     assert names(rank(entries)) == ["a", "b", "c", "d"]
+    assert all(place.front for place in rank(entries))  # none beats another
 
 
-def test_faulty_entries_come_last_and_change_nothing():
+def test_entries_with_faults_are_not_ranked_however_cheap():
     entries = [entry("a", [], 30.0), entry("c", range(50), 5.0)]
-    broken = [entry("x", [], 0.0, faults=9), entry("y", [], 0.0, faults=2), entry("z", [], float("nan"), faults=1)]
-    with pytest.raises(ValueError, match="'z' has a score that is not finite"):
-        rank(entries + broken)
-    places = rank(entries + broken[:2])
-    assert names(places) == ["a", "c", "y", "x"]
+    broken = [entry("x", [], 0.0, faults=9), entry("b", [], 0.0, faults=2)]
+    places = rank(entries + broken)
+    assert names(places) == ["a", "c", "b", "x"]
     assert places[:2] == rank(entries)
-
-
-def test_without_collisions_of_none():
-    """The ratio is undefined for everybody: collisions are compared all the same."""
-    collision = np.arange(N) < 30
-    entries = [
-        Candidate("hits", 0, None, 1.0, np.arange(N), collision),
-        Candidate("misses", 0, None, 2.0, np.arange(N), ~(NONE | ~NONE)),
-    ]
-    assert names(rank(entries)) == ["misses", "hits"]
+    assert [place.place for place in places[2:]] == [None, None]
+    assert places[3].why_not == "not ranked: 9 faults"
 
 
 def test_none_and_one():
     assert rank([]) == []
-    assert names(rank([entry("a", [], 1.0)])) == ["a"]
+    assert names(rank([entry("a")])) == ["a"]
+    assert [place.place for place in rank([entry("a", faults=3)])] == [None]
 
 
-def test_entries_from_flights(random_flights, make_flights):
+def test_what_cannot_be_ranked():
+    with pytest.raises(ValueError, match="'z' has a cost that is not finite"):
+        rank([entry("z", [], float("nan"))])
+    with pytest.raises(ValueError, match="'a' is given twice"):
+        rank([entry("a"), entry("a")])
+
+
+def test_entries_from_flights(random_flights):
     flights = random_flights(500)
-    one, other = Candidate.of("one", flights), Candidate.of("none", make_flights(flights.none, flights.none))
-    assert one.risk_ratio_upper == measure(flights)["risk_ratio_upper"].value
+    one, other = (Candidate.of(name, table, SCORE) for name, table in (("one", flights.table), ("none", flights.none)))
+    assert one.costs.mean_m == pytest.approx(float(np.mean(flights.table["cost_m"])))
     assert names(rank([other, one])) == ["one", "none"]
-    with pytest.raises(ValueError, match="'none' is given twice"):
-        rank([other, other])
     with pytest.raises(ValueError, match="different encounters"):
-        rank([one, Candidate.of("two", random_flights(400))])
+        rank([one, Candidate.of("two", random_flights(400).table, SCORE)])
     with pytest.raises(ValueError, match="'nobody' has no flights"):
-        Candidate.of("nobody", random_flights(0))
+        rank([Candidate.of("nobody", random_flights(0).table, SCORE)])
 
 
 policies = st.lists(
@@ -106,8 +100,8 @@ policies = st.lists(
 )
 
 
-@given(policies, st.randoms())
-def test_properties(drawn, random):
+@given(policies, st.randoms(), st.integers(1, 7))
+def test_properties(drawn, random, few):
     entries = [
         entry(f"p{i}", range(start, start + count), deviation, faults)
         for i, (count, start, deviation, faults) in enumerate(drawn)
@@ -119,19 +113,23 @@ def test_properties(drawn, random):
     shuffled = list(entries)
     random.shuffle(shuffled)
     assert rank(shuffled) == places
-    # Faults last; groups in order; within a group by deviation, and nobody told apart from the leader
-    faulty = [by_name[place.name].faults > 0 for place in places]
-    assert faulty == sorted(faulty)
-    ranked = [place for place in places if place.group is not None]
-    assert [place.group for place in ranked] == sorted(place.group for place in ranked)
-    bounds = []
-    for _, members in itertools.groupby(ranked, key=lambda place: place.group):
-        group = list(members)
-        deviations = [by_name[place.name].path_deviation_mean_m for place in group]
-        assert deviations == sorted(deviations)
-        assert all(place.p_adjusted is None or place.p_adjusted >= ALPHA for place in group)
-        bound = by_name[group[0].leader].risk_ratio_upper
-        assert bound == min(by_name[place.name].risk_ratio_upper for place in group)
-        bounds.append(bound)
-    # Each leader's bound is worse than the one's before
-    assert bounds == sorted(bounds)
+    # Faults last; the rest by cost, with the places 1, 2, ...
+    assert [place.place is None for place in places] == sorted(by_name[place.name].faults > 0 for place in places)
+    ranked = [by_name[place.name] for place in places if place.place is not None]
+    assert [place.place for place in places[: len(ranked)]] == list(range(1, len(ranked) + 1))
+    assert [one.costs.mean_m for one in ranked] == sorted(one.costs.mean_m for one in ranked)
+    # Whom else one adds changes the order of nobody
+    some = shuffled[:few]
+    kept = {one.name for one in some}
+    assert names(rank(some)) == [name for name in names(places) if name in kept]
+    # The cheapest of all by whatever prices is on the front, so the first is
+    assert not ranked or places[0].front
+
+
+@given(st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), max_size=8))
+def test_the_front_is_what_nobody_beats(drawn):
+    points = [(float(x), float(y)) for x, y in drawn]
+    marks = front(points)
+    for mark, (x, y) in zip(marks, points, strict=True):
+        better = [p for p in points if (p[0] < x and p[1] <= y) or (p[0] <= x and p[1] < y)]
+        assert mark == (not better)

@@ -40,7 +40,7 @@ def test_the_record_is_as_documented(result, folder):
     assert {"rss-gym", "numpy", "numba", "python", "machine"} <= set(content["versions"])
     for policy, scored in zip(content["policies"], result.policies, strict=True):
         assert (policy["name"], policy["spec"]) == (scored.entry.name, scored.entry.spec)
-        assert policy["track"] == "paper" and policy["hash"] == scored.entry.hash
+        assert policy["information"] == "positions" and policy["hash"] == scored.entry.hash
         assert list(policy["metrics"]) == list(METRICS)
         for name, estimate in policy["metrics"].items():
             assert set(estimate) == {"value", "low", "high", "n", "unit"} and estimate["unit"] == METRICS[name].unit

@@ -155,7 +155,7 @@ def rows_of(markup):
         head, body = table.split("</thead>")
         headings = [words(e) for e in Page(head.replace("<table", "<div", 1) + "</thead></div>").all("th")]
         rows = []
-        for row in re.findall("<tr>.*?</tr>", body, re.DOTALL):
+        for row in re.findall("<tr[^>]*>.*?</tr>", body, re.DOTALL):
             cells = Page(row)
             rows.append((words(cells.all("th")[0]), [(e[1], words(e)) for e in cells.all("td")]))
         assert len(rows) + 1 == len(parsed.all("tr"))

@@ -81,7 +81,7 @@ def test_a_true_record_is_verified(sound):
 
 
 def test_a_policy_of_the_package_needs_no_trust_however_it_is_named(tmp_path):
-    """Track, options and another policy may stand behind its name."""
+    """Level of information, options and another policy may stand behind its name."""
     names = ["none", "orca@oracle:radius_m=12", "cbf:radius_m=9+orthogonal:radius_m=60"]
     folder = save(evaluate(names, episodes=10, progress=False), tmp_path / "run")
     verdict = verify(folder)
@@ -104,11 +104,11 @@ def test_a_changed_metric_is_named_with_both_values(folder):
 
 def test_one_bit_of_a_metric_is_seen(folder):
     def edit(content):
-        cost = content["policies"][0]["metrics"]["cost_mean"]
+        cost = content["policies"][0]["metrics"]["cost_m"]
         cost["high"] = float(np.nextafter(cost["high"], np.inf))
 
     change(folder, edit)
-    assert found(verify(folder)) == [("none", "cost_mean.high", None)]
+    assert found(verify(folder)) == [("none", "cost_m.high", None)]
 
 
 def test_a_metric_left_out_is_named(folder):
@@ -117,20 +117,21 @@ def test_a_metric_left_out_is_named(folder):
 
 
 def test_a_table_without_its_metrics_is_seen(folder):
-    forge(folder, "object", "cost", 5, 0.0, scored=False)
-    assert {what for _, what, _ in found(verify(folder))} <= {"cost_mean.value", "cost_mean.low", "cost_mean.high"}
+    forge(folder, "object", "zone_severity", 5, 0.9, scored=False)
+    parts = {f"zone_severity.{part}" for part in ("value", "low", "high")}
+    assert {what for _, what, _ in found(verify(folder))} == parts
 
 
 def test_a_changed_row_is_found_by_flying_it_again(folder):
-    forge(folder, "orthogonal", "deviation_mean_m", 17, 0.0)
+    forge(folder, "orthogonal", "manoeuvre_m", 17, 0.0)
     assert verify(folder, every=True).differences[0].found > 0.0
-    assert found(verify(folder, every=True)) == [("orthogonal", "deviation_mean_m", 17)]
+    assert found(verify(folder, every=True)) == [("orthogonal", "manoeuvre_m", 17)]
     # A sample finds it if it holds it, and another seed draws another.
     seeds = [seed for seed in range(20) if 17 in sample(load(folder), seed=seed)]
     assert 0 < len(seeds) < 20
     for seed in (seeds[0], next(seed for seed in range(20) if seed not in seeds)):
         assert verify(folder, seed=seed).verified == (seed not in seeds)
-    assert "episode 17, deviation_mean_m: recorded 0.0, found " in report(verify(folder, seed=seeds[0]))
+    assert "episode 17, manoeuvre_m: recorded 0.0, found " in report(verify(folder, seed=seeds[0]))
 
 
 def test_the_sample_is_one_percent_and_at_least_ten(sound):
@@ -154,7 +155,7 @@ def test_parameters_that_were_not_flown_are_said(folder):
     assert [what.split()[0] for _, what, _ in found(verify(folder))] == ["suite_hash"]
 
 
-@pytest.mark.parametrize(("field", "value"), [("hash", "0" * 64), ("track", "range")])
+@pytest.mark.parametrize(("field", "value"), [("hash", "0" * 64), ("information", "ranges")])
 def test_claims_about_a_policy(folder, field, value):
     change(folder, lambda content: content["policies"][1].update({field: value}))
     assert found(verify(folder)) == [("orthogonal", field, None)]
@@ -244,18 +245,18 @@ def test_the_command_says_yes(sound, capsys):
 
 
 def test_the_command_says_no(folder, capsys):
-    forge(folder, "none", "cost", 3, 0.0)
+    forge(folder, "none", "zone_severity", 3, 0.0)
     status, out, _ = run(capsys, folder, "--all")
-    assert status == 1 and "policy 'none', episode 3, cost: recorded 0.0, found " in out
+    assert status == 1 and "policy 'none', episode 3, zone_severity: recorded 0.0, found " in out
 
 
 def test_the_command_speaks_json(folder, capsys):
-    forge(folder, "none", "cost", 3, 0.0)
+    forge(folder, "none", "zone_severity", 3, 0.0)
     status, out, _ = run(capsys, folder, "--all", "--json")
     content = json.loads(out)
     assert status == 1 and content["verified"] is False and content["flown"] == {"none": N, "orthogonal": N}
     (difference,) = content["differences"]
-    assert (difference["policy"], difference["what"], difference["episode"]) == ("none", "cost", 3)
+    assert (difference["policy"], difference["what"], difference["episode"]) == ("none", "zone_severity", 3)
 
 
 def test_the_command_ends_with_a_sentence(folder, capsys):

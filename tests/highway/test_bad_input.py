@@ -16,7 +16,7 @@ from rss_gym.params import ParamsError
         ({"scene": "higway"}, "scene 'higway' is unknown; did you mean 'highway'"),
         ({"vehicels": 3}, "no parameter 'vehicels'; did you mean 'vehicles'"),
         ({"vehicles": 9}, r"vehicles must be a whole number in \[1, 8\], got 9"),
-        ({"track": "papr"}, "track = 'papr' is unknown; did you mean 'paper'"),
+        ({"information": "position"}, "information = 'position' is unknown; did you mean 'positions'"),
         ({"estimator": "ekf"}, "estimator = 'ekf' is unknown"),
         ({"driver": "mobil"}, "driver = 'mobil' is unknown"),
         ({"radio": 1}, "radio must be true or false"),
@@ -26,7 +26,12 @@ from rss_gym.params import ParamsError
         ({"ranging": {"prior_m": 1.0}}, "ranging: Ranging has no parameter 'prior_m'"),
         ({"navigation": {"gnss": 1.0}}, "navigation has no parameter 'gnss' on a road; did you mean 'gnss_m'"),
         ({"navigation": {"barometer_m": 1.0}}, "navigation has no parameter 'barometer_m' on a road"),
-        ({"reward": {"colision": 1.0}}, "reward: RoadReward has no parameter 'colision'; did you mean 'collision'"),
+        (
+            {"reward": {"colision_price_m": 1.0}},
+            "reward has no parameter 'colision_price_m' on a road; did you mean 'collision_price_m'",
+        ),
+        ({"reward": {"comfort_m": 1.0}}, "reward has no parameter 'comfort_m' on a road"),
+        ({"reward": {"snmac_price_m": -1.0}}, "reward: snmac_price_m must be in"),
         ({"config": {"vehicle_count": 3}}, "config has no key 'vehicle_count'; did you mean 'vehicles_count'"),
         ({"config": {"action": {"type": "Discrete"}}}, "has an unknown type 'Discrete'; did you mean 'DiscreteAction'"),
         (

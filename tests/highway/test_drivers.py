@@ -72,7 +72,7 @@ def test_brakes_for_who_crosses():
 
 
 def test_on_ranges_alone_it_brakes():
-    world = road.World(settings(0.1, 1.0, track="range"), ACTIONS)
+    world = road.World(settings(0.1, 1.0, information="ranges"), ACTIONS)
     seen = {name: np.float64(value) for name, value in OWN.items()}
     near = {"message_valid": np.ones(1), "warning": np.ones(1), "range_m": np.array([20.0])}
     rule = road.make("rule", world)

@@ -37,9 +37,9 @@ def test_check_env(road_id):
     check_env(gym.make(road_id).unwrapped, skip_render_check=True)
 
 
-@pytest.mark.parametrize("track", ["range", "oracle"])
-def test_check_env_on_track(track):
-    check_env(gym.make("rss_gym/Highway-v0", track=track).unwrapped, skip_render_check=True)
+@pytest.mark.parametrize("information", ["ranges", "oracle"])
+def test_check_env_with_information(information):
+    check_env(gym.make("rss_gym/Highway-v0", information=information).unwrapped, skip_render_check=True)
 
 
 def test_continuous_actions():
@@ -49,7 +49,7 @@ def test_continuous_actions():
 
 
 def test_spec_makes_the_same(road_id):
-    env = gym.make(road_id, track="range", zone={"reaction_s": 0.5}, vehicles=3)
+    env = gym.make(road_id, information="ranges", zone={"reaction_s": 0.5}, vehicles=3)
     twin = gym.make(gym.envs.registration.EnvSpec.from_json(env.spec.to_json()))
     assert twin.unwrapped.params == env.unwrapped.params
     assert data_equivalence(env.reset(seed=4), twin.reset(seed=4), exact=True)
@@ -98,12 +98,12 @@ def test_steps_only_in_a_running_episode():
     env.reset(seed=0, options={"split": "suite"})
     ended = False
     while not ended:
-        _, reward, terminated, truncated, info = env.step(1)
+        _, _, terminated, truncated, info = env.step(1)
         ended = terminated or truncated
     assert info["is_success"] != info["collision"]
-    assert (reward < -4.0) == info["collision"]
-    with pytest.raises(gym.error.ResetNeeded):
-        env.step(1)
+    for stepped in (env, env.ranging):
+        with pytest.raises(gym.error.ResetNeeded):
+            stepped.step(1)
     env.reset()
     with pytest.raises(ValueError, match="action must be in Discrete"):
         env.step(17)
@@ -136,7 +136,7 @@ def test_fields_are_what_is_known(road_id):
 def test_without_radio_the_vehicles_are_not_seen():
     with_radio, without = RoadEnv(), RoadEnv(radio=False)
     one, two = drive(with_radio, [1, 0, 1], seed=2)[-1], drive(without, [1, 0, 1], seed=2)[-1]
-    own = 8
+    own = 9
     assert np.array_equal(one[:own], two[:own])
     assert one[own:].any() and not two[own:].any()
 
@@ -154,6 +154,19 @@ def test_deviation_is_from_the_plan():
     assert info["lane_error_m"] == pytest.approx(0.0, abs=1e-6)
     env.step(2 if env.road.vehicle.lane_index[2] < 2 else 0)
     assert env.step(1)[4]["lane_error_m"] > 2.0
+
+
+def test_seed_may_be_numpys():
+    env = RoadEnv()
+    assert np.array_equal(env.reset(seed=np.int64(7))[0], env.reset(seed=7)[0])
+    with pytest.raises(ValueError, match="seed must be a whole number"):
+        env.reset(seed=-1)
+
+
+def test_road_and_vehicle_of_highway_env_are_at_hand():
+    env = gym.make("rss_gym/Highway-v0").unwrapped
+    env.reset(seed=0)
+    assert env.vehicle is env.road.vehicle and env.config["lanes_count"] == 3
 
 
 def test_own_driver_of_highway_env_takes_the_vehicle():

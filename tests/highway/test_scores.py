@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rss_gym.cli import main
-from rss_gym.eval import reading, road
+from rss_gym.eval import ranking, reading, road
 from rss_gym.eval.episodes import Block, PolicyError
 from rss_gym.eval.road.drives import drive, environment
 from rss_gym.params import ParamsError
@@ -53,11 +53,26 @@ def test_metrics_follow_from_the_tables(result):
         assert scored.metrics["collision_rate"].value == pytest.approx(collisions / 5)
         assert scored.metrics["lane_deviation_m"].value == pytest.approx(deviations["lane_deviation_m"].mean())
         assert scored.metrics["speed_deviation_mps"].unit == "m/s"
-        assert "snmac_rate" not in scored.metrics
+        assert "zone_severity" not in scored.metrics
         lost_s = scored.table["duration_s"] - scored.table["flown_s"]
         assert (lost_s[~scored.table["collision"]] == 0.0).all() and (lost_s >= 0.0).all()
     assert result["none"]["risk_ratio"].value == 1.0
     assert result["none"]["lane_deviation_m"].value == pytest.approx(0.0, abs=1e-6)
+
+
+def test_drives_are_ranked_by_their_mean_cost(result):
+    for scored in result.policies:
+        table = scored.table
+        cost_m = table["deviation_mean_m"] + 100.0 * table["snmac"] + 10_000.0 * table["collision"]
+        assert table["cost_m"] == pytest.approx(cost_m)
+        assert scored.metrics["cost_m"].value == pytest.approx(cost_m.mean())
+        assert (table["snmac"] >= table["collision"]).all()
+    places = ranking.of(result, differences=True)
+    assert [place.name for place in places["oracle"]] == ["idm"]  # which sees true states
+    assert [place.name for place in places["positions"]] == ["rule", "none"]
+    means = [result[place.name]["cost_m"].value for place in places["positions"]]
+    gap = places["positions"][1].difference
+    assert gap.value == pytest.approx(means[1] - means[0]) and gap.low < gap.value < gap.high
 
 
 def test_processes_change_nothing(result, monkeypatch):
@@ -71,7 +86,8 @@ def test_command(tmp_path, capsys):
     out = tmp_path / "run"
     arguments = ["eval", "--suite", "merge-v0", "--policy", "rule", "--episodes", "2", "--out", str(out)]
     assert main(arguments) == 0
-    assert "lane deviation m" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert all(title in shown for title in ("cost m", "collision rate", "near misses", "deviation m"))
     scores = json.loads((out / "scores.json").read_text())
     assert [policy["name"] for policy in scores["policies"]] == ["none", "rule"]
     assert scores["families"] == ["merge"] and not scores["official"]
@@ -84,7 +100,7 @@ def test_command(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        (["--families", "crossing"], "only channel, track, estimator can be changed"),
+        (["--families", "crossing"], "only channel, information, estimator can be changed"),
         (["--policy", "ruel"], "policy 'ruel' is unknown on a road; did you mean 'rule'"),
         (["--reference", "idm"], "reference 'idm' is not among the policies"),
         (["--episodes", "0"], "episodes must be a whole number >= 1"),
@@ -120,4 +136,4 @@ def test_a_policy_that_fails_is_named():
 def test_suites_are_told_apart_by_their_hash():
     suite = road.SUITES["highway-v0"]
     assert len({found.hash for found in road.SUITES.values()}) == len(road.SUITES)
-    assert suite.changed(track="range").hash != suite.hash == suite.changed().hash
+    assert suite.changed(information="ranges").hash != suite.hash == suite.changed().hash

@@ -55,4 +55,4 @@ def test_picture_and_table(monkeypatch, tmp_path):
     assert module.picture().size == (module.WIDTH_PX, module.HEIGHT_PX)
     record = module.road.save(module.road.evaluate(["rule"], episodes=2), tmp_path / "record")
     lines = module.table(record).splitlines()
-    assert lines[2].startswith("| `none` | 2 |") and lines[3].startswith("| `rule` | 2 |")
+    assert lines[2].startswith("| `rule` | 2 |") and lines[3].startswith("| `none` | 2 |")  # the cheapest first

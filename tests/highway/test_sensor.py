@@ -6,14 +6,15 @@ import pytest
 
 from rss_gym.highway import RssRanging
 from rss_gym.highway.env import RoadEnv
-from rss_gym.highway.links import START, TICK_COLOURED, TICK_WHITE, VEHICLE, stream
+from rss_gym.highway.links import SLOW, START, TICK_COLOURED, TICK_LOSS, TICK_WHITE, VEHICLE, stream
 from rss_gym.highway.observation import split
 from rss_gym.highway.sensor import CAPACITY
-from rss_gym.params import load_channel
+from rss_gym.params import ParamsError, load_channel
 from rss_gym.physics.noise import decay, driving_std, gauss_markov
 from rss_gym.physics.path_loss import received_dbm
 from rss_gym.physics.random import normal
 from rss_gym.ranging import coloured
+from rss_gym.streams import ROAD_STREAMS, ROAD_VEHICLES, STREAMS
 
 STILL = {"path_loss_wander": 0.0, "white_variance_db2": 4.0, "coloured_variance_db2": 4.0, "coloured_tc_s": 2.0}
 
@@ -148,10 +149,10 @@ def test_lost_packets_make_messages_old():
     assert max(ages) > 0.2
 
 
-def test_range_track_tells_no_positions_and_oracle_the_truth():
-    env = RoadEnv(track="range")
+def test_ranges_tell_no_positions_and_oracle_the_truth():
+    env = RoadEnv(information="ranges")
     assert "relative_along_m" not in split(env.reset(seed=0)[0], env.params)
-    env = RoadEnv(track="oracle")
+    env = RoadEnv(information="oracle")
     env.reset(seed=0)
     seen = split(env.step(1)[0], env.params)
     vehicles = env.ranging.sensor.vehicles
@@ -188,6 +189,22 @@ def test_any_environment_of_highway_env_can_be_wrapped():
     observation, reward, *_ = env.step(1)
     assert observation in env.observation_space and isinstance(float(reward), float)
     assert env.params.clock.tick_s == pytest.approx(1.0 / 15.0)
+
+
+def test_streams_of_a_vehicle_are_its_own():
+    """All that a vehicle draws from is within the width that the registry gives it."""
+    assert {TICK_COLOURED, TICK_WHITE, TICK_LOSS, START, *range(SLOW, SLOW + 5)} <= set(range(ROAD_STREAMS))
+    assert len({TICK_COLOURED, TICK_WHITE, TICK_LOSS, START, *range(SLOW, SLOW + 5)}) == 9
+    road = STREAMS["road"]
+    assert stream(-1) == road.start and stream(0) == road.start + ROAD_STREAMS
+    assert stream(ROAD_VEHICLES - 2) + ROAD_STREAMS == road.start + road.width  # of the last that has room
+
+
+def test_a_road_with_more_vehicles_than_there_is_noise_for_is_refused():
+    sensor = RoadEnv().ranging.sensor
+    sensor._allocate(ROAD_VEHICLES)
+    with pytest.raises(ParamsError, match="a road holds at most 4096 vehicles"):
+        sensor._grow()
 
 
 def test_more_vehicles_than_room():

@@ -11,7 +11,7 @@ from rss_gym.baselines.road import World, make
 from rss_gym.cli import main
 from rss_gym.highway import observation
 from rss_gym.highway.env import RoadEnv
-from rss_gym.params import ParamsError
+from rss_gym.params import ParamsError, Reward
 from rss_gym.train import recipe as world_recipes
 from rss_gym.train import road
 
@@ -36,12 +36,11 @@ def test_shipped_recipes_name_every_number():
         ({"algorithm.gama": 0.9}, "no parameter 'gama'; did you mean 'gamma'"),
         ({"algorithm.batch_size": 100}, "batch_size must divide n_steps"),
         ({"recipe.env": ["rss_gym/Highway-v0"]}, "is no road"),
-        ({"policy.features": "approach"}, "features must be 'none' on a road"),
         ({"policy.zeroed": "radio"}, "zeroed must be 'nothing' on a road, got 'radio'; .*world.radio = false"),
         ({"vec.n_envs": 2}, "write section.key=value"),
         ({"imitation.policy": "rul"}, "policy = 'rul' is no driver to imitate; did you mean 'rule'"),
         ({"imitation.policy": "idm"}, "policy = 'idm' is no driver to imitate"),
-        ({"imitation.episodes": 1, "imitation.critic_steps": 12_288}, "critic_steps must be below the 12288 steps"),
+        ({"imitation.episodes": 1, "imitation.critic_steps": 8_192}, "critic_steps must be below the 8192 steps"),
         ({"imitation.disturbance": 1.5}, r"disturbance must be in \[0, 1\]"),
     ],
 )
@@ -106,14 +105,14 @@ def test_driver_is_scored_by_its_folder(run, tmp_path, capsys):
 
 def test_driver_of_another_road_is_refused(run):
     env = RoadEnv("merge", vehicles=3)
-    with pytest.raises(ParamsError, match="it was made for 80 fields"):
+    with pytest.raises(ParamsError, match="it was made for 129 fields"):
         make(str(run / "agent"), World.of(env))
 
 
-def test_driver_of_another_track_is_refused(run):
+def test_driver_of_another_information_level_is_refused(run):
     """The oracle's fields are those of the paper, and mean something else."""
-    env = RoadEnv(track="oracle")
-    with pytest.raises(ParamsError, match="it was made for track 'paper', and this road has 'oracle'"):
+    env = RoadEnv(information="oracle")
+    with pytest.raises(ParamsError, match="it was made for information 'positions', and this road has 'oracle'"):
         make(str(run / "agent"), World.of(env))
 
 
@@ -158,7 +157,7 @@ def test_the_actor_waits_for_the_critic_and_is_compared_on_what_was_seen(tmp_pat
 
     original = learner.export
     monkeypatch.setattr(learner, "export", export)
-    monkeypatch.setattr(learner, "validate", lambda *given: learner.Score(given[-1], 1, 0.0, 0.0, float(given[-1])))
+    monkeypatch.setattr(learner, "validate", lambda *given: learner.Score(given[-1], 1, 0.0, 0.0, 0.0, -given[-1]))
     changes = dict(item.split("=") for item in SHORT)
     recipe = road.load("highway", {key: int(value) for key, value in changes.items()} | {"recipe.steps": 48})
     learner.train_seed(recipe, tmp_path / "seed-0", 0, {})
@@ -199,9 +198,26 @@ def test_a_driver_trained_without_radio_drives_without(run, tmp_path):
     assert main(arguments) == 0
     env = RoadEnv()
     blind = make(str(out / "agent"), World.of(env))
-    assert blind.keywords == {"radio": False}
     rows = np.random.default_rng(0).uniform(-1.0, 1.0, (50, env.observation_space.shape[0]))
     others = rows.copy()
     others[:, vehicle_fields(env)] = 0.5
     assert np.array_equal(blind.logits(rows), blind.logits(others))
-    assert make(str(run / "agent"), World.of(env)).keywords == {}
+    without = World.of(RoadEnv(radio=False))
+    assert np.array_equal(make(str(out / "agent"), without).logits(rows), blind.logits(rows))
+    with pytest.raises(ParamsError, match=r"it was made to see the vehicles, and this road has radio = false$"):
+        make(str(run / "agent"), without)
+    document = json.loads((run / "agent" / "policy.json").read_text())
+    document["interface"]["radio"] = False
+    false = shutil.copytree(run / "agent", tmp_path / "false")
+    (false / "policy.json").write_text(json.dumps(document))
+    with pytest.raises(ParamsError, match="radio is false, but its weights read the vehicles' fields"):
+        make(str(false), World.of(env))
+
+
+def test_best_is_chosen_by_the_prices_of_the_scores(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    from rss_gym.train.road import learner
+
+    recipe = road.load("highway")
+    assert recipe.environment().params.reward.collision_price_m == 10.0
+    assert learner._Keeper(recipe, tmp_path, {}).env.params.reward == Reward()

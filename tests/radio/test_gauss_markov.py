@@ -1,10 +1,11 @@
 """Gauss-Markov noise (7)-(11): the printed double sum of (9), added up term by term."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rss_gym.params import ParamsError
@@ -16,18 +17,33 @@ PERIODS_S = st.floats(0.01, 1.0)
 
 
 def double_sum_9(a, sigma_w2, m, n, initial):
-    """(9): E[w2(m-i+1) w2(n-j+1)] is sigma_w2^2 where the two indices agree, else 0."""
-    driven = sum(a ** (i + j) * sigma_w2**2 for i in range(1, m + 1) for j in range(1, n + 1) if m - i + 1 == n - j + 1)
+    """(9): E[w2(m-i+1) w2(n-j+1)] is sigma_w2^2 where the two indices agree, else 0.
+
+    The term a^(i+j) sigma_w2^2 is taken as a^(i+j-2) (a sigma_w2)^2: sigma_w2 grows as 1 / a, and a^(i+j) alone
+    would underflow where the term does not.
+    """
+    driven = sum(
+        a ** (i + j - 2) * (a * sigma_w2) ** 2
+        for i in range(1, m + 1)
+        for j in range(1, n + 1)
+        if m - i + 1 == n - j + 1
+    )
     return a ** (m + n) * initial + driven
 
 
 @given(VARIANCES, TIMES_S, PERIODS_S, st.integers(0, 12), st.integers(0, 12), st.floats(0.0, 400.0))
+@example(1.0, 0.01, 0.875, 1, 8, 0.0)  # e^-612.5: a^9 is below the least float
 def test_covariance_is_the_double_sum_of_9(variance, tc_s, period_s, m, n, initial):
     noise = GaussMarkov(variance, tc_s)
     expected = double_sum_9(noise.decay(period_s), noise.driving_std_db(period_s), m, n, initial)
     found = noise.covariance(m, n, period_s, initial)
-    # The driving noise needs 1 - a^2, which loses digits as a approaches 1.
-    assert found == pytest.approx(expected, rel=1e-8, abs=1e-300)
+    # With x = Delta / Tc, rounding changes a = e^-x by (1 + x) eps, so a^k, k <= m + n, by k times that, and 1 - a^2,
+    # which is 2 x for small x, by eps / x. Each happens a few times, hence the factor 4.
+    x = period_s / tc_s
+    relative = 4.0 * sys.float_info.epsilon * ((m + n + 2) * (1.0 + x) + 1.0 / x)
+    # A power below the least normal float has no digits to rely on; at most m + n + 1 of them, times a variance.
+    absolute = (m + n + 1) * max(variance, initial) * sys.float_info.min
+    assert found == pytest.approx(expected, rel=relative, abs=absolute)
     assert found == noise.covariance(n, m, period_s, initial)
 
 

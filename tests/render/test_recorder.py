@@ -47,7 +47,7 @@ def test_a_reset_begins_new_paths():
 
 def test_a_scene_says_what_the_agent_knows():
     batch, recorder, _ = fly(30, intruders=2)
-    scene, own, others = recorder.scene(batch, 0), batch.own[0], batch.others[0]
+    scene, own, others = recorder.scene(batch, 0), batch.seen.own[0], batch.seen.others[0]
     assert np.array_equal(scene.own.estimate_m, own["position_m"])
     assert np.array_equal(scene.way_point_m, own["way_point_m"])
     assert np.array_equal(scene.planned_m, own["planned_m"])
@@ -61,22 +61,17 @@ def test_a_scene_says_what_the_agent_knows():
     assert scene.duration_s == pytest.approx(batch.episode[0]["ticks"] * batch.params.clock.tick_s)
 
 
-def test_an_estimate_is_the_message_moved_on():
-    batch, recorder, _ = fly(1)
-    batch.others[0, 0]["valid"] = False
-    assert recorder.scene(batch, 0).intruders[0].estimate_m is None
-    other = batch.others[0, 0]
-    other["valid"], other["age_s"] = True, 2.0
-    other["position_m"], other["velocity_mps"] = (1.0, 2.0, 3.0), (4.0, -5.0, 0.5)
-    assert np.allclose(recorder.scene(batch, 0).intruders[0].estimate_m, (9.0, -8.0, 4.0))
-
-
-def test_on_track_range_intruders_have_no_estimate():
-    batch, recorder, positions = fly(40, track="range")
-    assert batch.others[0, 0]["valid"]
-    intruder = recorder.scene(batch, 0).intruders[0]
-    assert intruder.estimate_m is None
+@pytest.mark.parametrize("information", ["oracle", "positions", "ranges"])
+def test_an_estimate_is_the_track_on_the_own_solution(information):
+    batch, recorder, positions = fly(40, information=information)
+    intruder, track = recorder.scene(batch, 0).intruders[0], batch.world.tracks[0, 0]
+    assert track["valid"]
+    assert np.array_equal(intruder.estimate_m, batch.seen.own[0]["position_m"] + track["position_m"])
     assert np.array_equal(intruder.position_m, positions[-1, 1])
+    if information == "oracle":
+        np.testing.assert_allclose(intruder.estimate_m, intruder.position_m, rtol=1e-12)
+    track["valid"] = False
+    assert recorder.scene(batch, 0).intruders[0].estimate_m is None
 
 
 def test_absent_intruders_are_left_out():
@@ -88,13 +83,13 @@ def test_absent_intruders_are_left_out():
 
 def test_a_recorder_only_reads():
     batch, recorder, _ = fly(4)
-    before = copy.deepcopy((batch.world, batch.own, batch.others))
+    before = copy.deepcopy((batch.world, batch.seen))
     scene = recorder.scene(batch, 0)
     for craft in (scene.own, *scene.intruders):
         for array in (craft.position_m, craft.flown_m, craft.predefined_m, craft.velocity_mps):
             array += 1.0
     scene.way_point_m[:] = scene.planned_m[:] = 0.0
-    for old, new in zip((*before[0], *before[1:]), (*batch.world, batch.own, batch.others), strict=True):
+    for old, new in zip((*before[0], *before[1]), (*batch.world, *batch.seen), strict=True):
         assert old.tobytes() == new.tobytes()
     later = recorder.scene(batch, 0)
     assert np.allclose(later.own.flown_m, scene.own.flown_m - 1.0)

@@ -13,18 +13,17 @@ from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.vec_env import VecFrameStack, VecNormalize
 
 from rss_gym.baselines.agent import load
-from rss_gym.baselines.features import append
-from rss_gym.baselines.features.approach import Approach
+from rss_gym.baselines.masks import kept
 from rss_gym.params import Params, ParamsError
 from rss_gym.sb3 import make_vec_env
 from rss_gym.train.export import Inputs, Normalisation, export
-from rss_gym.train.features import Features
+from rss_gym.train.masked import Masked
 
 WORLDS = {
     "plane": ("rss_gym/Encounter-v0", {}),
     "space": ("rss_gym/Encounter3D-v0", {}),
     "range": ("rss_gym/EncounterRangeOnly-v0", {"intruders": 2}),
-    "velocity": ("rss_gym/Encounter-v0", {"action": "velocity"}),
+    "oracle": ("rss_gym/Encounter-v0", {"information": "oracle"}),
 }
 
 
@@ -83,49 +82,35 @@ def test_normalisation_and_stack(tmp_path):
 
 
 @pytest.mark.parametrize("world", sorted(WORLDS))
-def test_features_stand_behind_stacked_observations(world, tmp_path):
+def test_fields_taken_away_stay_away(world, tmp_path):
+    """From stacked observations too, and from the last one of an episode, which is not that of the next."""
     name, keywords = WORLDS[world]
     venv = make_vec_env(name, 4, seed=1, **keywords)
-    wrapped = VecNormalize(Features(VecFrameStack(venv, 2), "approach", venv.params), clip_obs=3.0)
+    wrapped = VecNormalize(Masked(VecFrameStack(venv, 2), "range", venv.params), clip_obs=3.0)
     model = model_of(PPO, wrapped, net_arch=[16])
     model.learn(400)
     normalisation = Normalisation.of(wrapped)
-    assert export(model, venv.params, tmp_path / "agent", Inputs(normalisation, stack=2, features="approach")) <= 1e-5
+    assert export(model, venv.params, tmp_path / "agent", Inputs(normalisation, stack=2, zeroed="range")) <= 1e-5
     agent = load(tmp_path / "agent", venv.params)
-    assert (agent.network.stack, agent.network.features) == (2, "approach")
+    assert (agent.network.stack, agent.network.zeroed) == (2, "range")
     wrapped.training = False
     wrapped.seed(5)
     seen, memory, first = wrapped.reset(), None, np.ones(4, bool)
-    told = False
+    mask, ended = kept("range", venv.params, 2), 0
     for _ in range(300):
-        told = told or bool(venv.batch.others["valid"].any())
         expected, _ = model.predict(seen, deterministic=True)
         actions, memory = agent.predict(venv.batch.observations.copy(), memory, first)
         np.testing.assert_allclose(actions, expected, atol=1e-5)
+        bare = venv.batch.observations.copy()
         seen, _, first, infos = wrapped.step(expected)
+        original = wrapped.get_original_obs()
+        assert not original[:, mask == 0.0].any() and original[:, mask == 1.0].any()
         for row in np.flatnonzero(first):
-            assert infos[row]["terminal_observation"].shape == seen[row].shape
-    assert told
-
-
-def test_the_last_observation_of_an_episode_has_its_own_features():
-    """Not those of the episode that has begun."""
-    venv, plain = (make_vec_env("rss_gym/Encounter-v0", 16, seed=1) for _ in range(2))
-    wrapped = Features(venv, "approach", venv.params)
-    assert wrapped.observation_space.contains(wrapped.reset()[0])
-    plain.reset()
-    ended = 0
-    for _ in range(250):
-        seen, _, dones, infos = wrapped.step(np.zeros((16, 2), np.float32))
-        bare, _, _, others = plain.step(np.zeros((16, 2), np.float32))
-        np.testing.assert_array_equal(seen, append(Approach(venv.params), bare))
-        for row in np.flatnonzero(dones):
-            last = others[row]["terminal_observation"]
-            expected = append(Approach(venv.params), last[None])[0]
-            np.testing.assert_array_equal(infos[row]["terminal_observation"], expected)
-            assert not np.array_equal(last, bare[row])
-            ended += 1
-    assert ended >= 16
+            last = wrapped.unnormalize_obs(infos[row]["terminal_observation"])
+            assert np.abs(last[mask == 0.0]).max() < 1e-6
+            ended += not np.array_equal(last[mask == 1.0], original[row][mask == 1.0])
+        assert not np.array_equal(bare, venv.batch.observations)
+    assert ended
 
 
 def test_rows_do_not_depend_on_the_batch(tmp_path):
@@ -226,23 +211,23 @@ def poison(found):
         (lambda copy: (copy / "policy.json").write_text("[]"), "object"),
         (lambda copy: (copy / "policy.json").write_text("[" * 100_000), "not JSON"),
         (lambda copy: (copy / "policy.json").write_bytes(b"\x80\x04"), "not JSON"),
-        (edit(format=2), "format 2"),
+        (edit(format=1), "format 1"),
         (edit(wights=1), "unknown field 'wights'"),
         (edit(network__layers=[8] * 99), "layers"),
         (edit(network__layers=[10**9]), "layers"),
         (edit(network__layers="8"), "layers"),
         (edit(network__activation="elu"), "activation"),
         (edit(network__stack=0), "stack"),
-        (edit(network__features="aproach"), "did you mean 'approach'"),
-        (edit(network__features=["approach"]), "features"),
-        (edit(network__features="approach"), "fields and features"),
+        (edit(network__zeroed="rang"), "did you mean 'range'"),
+        (edit(network__zeroed=["range"]), "zeroed"),
+        (edit(network__features="approach"), "unknown field 'features'"),
         (edit(network__lstm=True), "lstm"),
         (edit(network__clip=float("nan")), "clip"),
         (edit(network__squash=1), "squash"),
         (edit(network__clip="1"), "clip"),
-        (edit(interface__track="paper2"), "paper2"),
-        (edit(interface__reach_m=-1.0), "reach_m"),
-        (edit(interface__action="discrete"), "discrete"),
+        (edit(interface__information="position"), "did you mean 'positions'"),
+        (edit(interface__action="velocity"), "unknown field 'action'"),
+        (edit(interface={}), "lacks the field 'information'"),
         (edit(observation=["range_m"]), "fields"),
         (edit(network__layers=[9]), "0.weight"),
         (lambda copy: (copy / "policy.safetensors").write_bytes(b""), "truncated"),

@@ -26,7 +26,13 @@ def one_thread():
 @pytest.fixture(scope="module")
 def changes(small):
     """A warm start in seconds."""
-    return {**small, "imitation.episodes": 64, "imitation.epochs": 6, "imitation.batch_size": 256}
+    return {
+        **small,
+        "imitation.policy": "mpc",
+        "imitation.episodes": 64,
+        "imitation.epochs": 6,
+        "imitation.batch_size": 256,
+    }
 
 
 def learner(changes, **more):
@@ -123,7 +129,7 @@ def test_the_critic_learns_alone_first_and_a_run_begins_with_what_was_imitated(c
         patch.setattr(Learner, "save", kept)
         run.start(recipe.load("ppo", changes), tmp_path / "run", show=False)
     out = capsys.readouterr().out
-    assert "seed 0, 0 steps: imitated mpc" in out and "seed 0, 0 steps: collisions" in out
+    assert "seed 0, 0 steps: imitated mpc" in out and "seed 0, 0 steps: cost" in out
     assert sorted(seen) == [0, 1024, 2048, 3072]
 
     def moved(one, other, part):

@@ -10,7 +10,7 @@ import numpy as np
 
 from rss_gym.baselines.policy_files import FORMAT, WEIGHTS, Network
 from rss_gym.baselines.road import World
-from rss_gym.baselines.road.agent import RoadAgent, inputs, load, shapes
+from rss_gym.baselines.road.agent import RoadAgent, inputs, load, of_vehicles, shapes
 from rss_gym.files import new_folder
 from rss_gym.params import ParamsError
 from rss_gym.train.export import array, dense_layers, write_document
@@ -39,15 +39,14 @@ def taken(model: Any, world: World, radio: bool) -> tuple[dict[str, np.ndarray],
         if tensors[name].shape != shape:
             raise ParamsError(f"the model does not fit the road: {name} is {tensors[name].shape}, not {shape}")
     if not radio:  # these weights never learnt anything: their inputs were zero
-        unseen = [name.startswith("vehicle_") for name in inputs(world)]
-        tensors["0.weight"] = np.where(np.array(unseen)[:, None], np.float32(0.0), tensors["0.weight"])
+        tensors["0.weight"] = np.where(of_vehicles(world)[:, None], np.float32(0.0), tensors["0.weight"])
     return tensors, network
 
 
 def agent(model: Any, world: World, radio: bool) -> RoadAgent:
     """The driver that `export` would write, in memory."""
     tensors, network = taken(model, world, radio)
-    return RoadAgent(tensors, network.activation, radio)
+    return RoadAgent(tensors, network.activation)
 
 
 def export(
@@ -76,7 +75,11 @@ def export(
     document = {
         "format": FORMAT,
         "network": dataclasses.asdict(network),
-        "interface": {"track": world.params.interface.track, "radio": radio, "actions": list(world.actions)},
+        "interface": {
+            "information": world.params.interface.information,
+            "radio": radio,
+            "actions": list(world.actions),
+        },
         "observation": inputs(world),
         "training": {},
     }

@@ -37,13 +37,14 @@ class Score:
     steps: int
     episodes: int
     collision_rate: float
+    snmac_rate: float
     deviation_m: float
-    return_: float  # of the reward, by which the best is chosen
+    cost_m: float  # by which the best is chosen
 
     def __str__(self) -> str:
         return (
             f"collides in {self.collision_rate:.3f} of {self.episodes}, {self.deviation_m:.1f} m from plan, "
-            f"return {self.return_:.2f}"
+            f"cost {self.cost_m:.1f} m"
         )
 
 
@@ -90,7 +91,7 @@ class _Keeper(BaseCallback):
     def __init__(self, recipe: RoadRecipe, folder: Path, record: dict[str, Any]) -> None:
         super().__init__()
         self.recipe, self.folder, self.record = recipe, folder, record
-        self.env = recipe.environment()
+        self.env = recipe.environment(reward=None)  # the prices of the scores, whatever those of the training
         self.env.reset(seed=0)
         self.world = World.of(self.env)
         self.best: Score | None = None
@@ -124,7 +125,7 @@ class _Keeper(BaseCallback):
             writer.writeheader()
             writer.writerows(asdict(row) for row in self._rows)
         print(f"  {self.num_timesteps:,} steps: {score}", flush=True)
-        if self.best is None or score.return_ > self.best.return_:
+        if self.best is None or score.cost_m < self.best.cost_m:
             self.best = score
             rows: Any = self.model._last_obs if self._last is None else self._last
             seen = np.asarray(rows).reshape(-1, rows.shape[-1])
@@ -135,6 +136,5 @@ class _Keeper(BaseCallback):
 def validate(driver: Any, env: Any, episodes: int, steps: int) -> Score:
     """Drive `episodes` of split `validation`, seed 0."""
     rows = np.concatenate([row for row, _, _ in drive(driver, "agent", env, Block("validation", 0, range(episodes)))])
-    returns = -rows["cost"] - env.reward.collision * rows["collision"]
-    means = (float(np.mean(values)) for values in (rows["collision"], rows["deviation_mean_m"], returns))
+    means = (float(np.mean(rows[name])) for name in ("collision", "snmac", "deviation_mean_m", "cost_m"))
     return Score(steps, episodes, *means)

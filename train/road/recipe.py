@@ -84,8 +84,6 @@ class RoadRecipe:
 
     def __post_init__(self) -> None:
         """Check what several tables decide together."""
-        if self.policy.features != "none":
-            raise ParamsError(f"[policy]: features must be 'none' on a road, got {self.policy.features!r}")
         if self.policy.zeroed != "nothing":
             raise ParamsError(
                 f"[policy]: zeroed must be 'nothing' on a road, got {self.policy.zeroed!r}; "

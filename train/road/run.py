@@ -74,7 +74,7 @@ def start(
     else:
         with ProcessPoolExecutor(min(workers, seeds), multiprocessing.get_context("spawn")) as pool:
             scores = list(pool.map(task, range(seeds)))
-    best = max(range(seeds), key=lambda index: scores[index].return_)
+    best = min(range(seeds), key=lambda index: scores[index].cost_m)
     (folder / AGENT).mkdir()
     copy_policy(folder / f"seed-{best}" / BEST, folder / AGENT)
     write_text(folder / AGENT / CARD, card(recipe, record, scores, best))
@@ -101,7 +101,7 @@ def _seed(recipe: RoadRecipe, folder: Path, record: dict[str, Any], index: int) 
 def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], best: int) -> str:
     """What a driver was trained on, how its seeds did, and what it is not for."""
     env = recipe.environment()
-    track, zone_m = env.params.interface.track, env.params.zone.radius_m
+    information, zone_m = env.params.interface.information, env.params.zone.radius_m
     sees = "ranges and messages of the nearest vehicles" if recipe.radio else "no other vehicle"
     table = recipe.imitation
     first = (
@@ -110,20 +110,21 @@ def card(recipe: RoadRecipe, record: dict[str, Any], scores: Sequence[Score], be
         else ""
     )
     rows = "\n".join(
-        f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.deviation_m:.1f} | {score.return_:.2f} |"
+        f"| {index} | {score.steps:,} | {score.collision_rate:.3f} | {score.snmac_rate:.3f} "
+        f"| {score.deviation_m:.1f} | {score.cost_m:.1f} |"
         for index, score in enumerate(scores)
     )
     return f"""# Driver `{recipe.name}`, seed {best} of {len(scores)}
 
 Trained by PPO for {recipe.head.steps:,} decisions on `{recipe.head.env}`{first} ({env.scene.summary}).
-It sees {sees}, and its own lane, speed and plan. Track `{track}`, zone {zone_m:g} m.
+It sees {sees}, and its own lane, speed and plan. Information `{information}`, zone {zone_m:g} m.
 Recipe, versions and revision are in `policy.json`; revision {record["revision"]}.
 
 Best validation of each seed, over the same {recipe.validation.episodes} episodes of split `validation`. The best is
-chosen by its return, which flatters it: scores on split `suite` are what counts. After 0 decisions it only imitates.
+chosen by its mean cost, which flatters it: scores on split `suite` are what counts. After 0 decisions it only imitates.
 
-| seed | decisions | collisions | mean deviation, m | return |
-|---|---|---|---|---|
+| seed | decisions | collisions | near misses | mean deviation, m | mean cost, m |
+|---|---|---|---|---|---|
 {rows}
 
 Limits: this road, its traffic and its channel only, one decision a second, in a simulation. It says nothing about a

@@ -1,0 +1,13 @@
+"""Studies: what the product claims of its world, flown and printed by `rss-gym study NAME`.
+
+A new study is one package with `run(options) -> list of Section` and one line in `STUDIES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from rss_gym.eval.studies import world
+from rss_gym.eval.studies.section import Scale, Section
+
+STUDIES: dict[str, Callable[[Scale], Iterator[Section]]] = {"world": world.run}

@@ -1,0 +1,108 @@
+"""Does standard RL learn here? PPO of Stable-Baselines3 with the settings of `examples/sb3_ppo.py`, from scratch."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any
+
+from rss_gym.eval.studies.section import Criterion, Scale, Section
+from rss_gym.eval.studies.world.rows import ORCA, RULE, SEED, Scores, cheapest, fly, interval, value
+
+EPISODES = 10_000
+WORLD: dict[str, Any] = {"collision_price_m": 300.0, "proximity_price_m": 300.0}
+OPTIONS: dict[str, Any] = {
+    "n_steps": 32, "batch_size": 2048, "n_epochs": 10, "gamma": 0.95, "policy_kwargs": {"log_std_init": -1.0},
+}  # fmt: skip
+LEARNING_RATE, ROWS = 7e-4, 256
+
+
+def section(scale: Scale) -> Section:
+    """Scores after every third of each training, beside the rule and `orca` at their cheapest."""
+    with ProcessPoolExecutor(scale.workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        runs = list(pool.map(trained, range(scale.seeds), [scale.decisions] * scale.seeds))
+    rows = [
+        [f"PPO, seed {seed}", f"{decisions:,}", f"{cpu_s:.0f}", *cells(scores)]
+        for seed, run in enumerate(runs)
+        for decisions, cpu_s, scores in run
+    ]
+    found = fly(ORCA + RULE, scale, episodes=EPISODES)
+    orca, rule = (cheapest({name: found[name] for name in names}) for names in (ORCA, RULE))
+    rows += [[name, "", "", *cells(found[name])] for name in (orca, rule)]
+    last = [value(run[-1][2], "cost_m") for run in runs]
+    costs = ", ".join(f"{cost:.1f}" for cost in last)
+    return Section(
+        "Standard RL learns",
+        f"`examples/sb3_ppo.py`: {scale.decisions:,} decisions a seed, each on one core, CPU seconds of that process; "
+        f"scores of deterministic actions on {EPISODES:,} encounters, seed {SEED}.",
+        ("policy", "decisions", "CPU s", "cost m", "collision rate", "mean deviation m"),
+        rows,
+        [
+            Criterion(
+                f"every seed ends cheaper than the {name} (`{policy}`){aim}",
+                f"{costs} m against {value(found[policy], 'cost_m'):.1f} m",
+                max(last) < value(found[policy], "cost_m"),
+            )
+            for name, policy, aim in (("rule", rule, ""), ("best scripted policy", orca, " (aim)"))
+        ],
+    )
+
+
+def cells(scores: Scores) -> list[str]:
+    """Cost, collision rate and deviation."""
+    metrics = (("cost_m", ".2f"), ("collision_rate", ".2e"), ("path_deviation_mean_m", ".2f"))
+    return [interval(scores[name], form) for name, form in metrics]
+
+
+def trained(seed: int, decisions: int) -> list[tuple[int, float, Scores]]:
+    """One training: after each third of it the decisions, the CPU seconds spent learning, and the scores."""
+    import torch
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    from rss_gym.sb3 import make_vec_env
+
+    torch.set_num_threads(1)
+    rows = make_vec_env("rss_gym/Encounter-v0", n_envs=ROWS, seed=seed, **WORLD)
+    env = VecNormalize(rows, norm_obs=False, gamma=OPTIONS["gamma"])
+    model = PPO("MlpPolicy", env, learning_rate=lambda left: LEARNING_RATE * left, seed=seed, device="cpu", **OPTIONS)
+    model._total_timesteps = decisions
+    found, spent_s = [], 0.0
+    snapshots: list[Any] = []
+
+    from stable_baselines3.common.callbacks import BaseCallback
+
+    class Thirds(BaseCallback):
+        """Scores at each third; the time that takes is not counted as learning."""
+
+        def _on_step(self) -> bool:
+            return True
+
+        def _on_rollout_start(self) -> None:
+            done = self.num_timesteps * 3 // decisions
+            if done > len(snapshots):
+                snapshots.append(None)
+                self.score()
+
+        def score(self) -> None:
+            nonlocal spent_s, begun_s
+            spent_s += time.process_time() - begun_s
+            scale = Scale(workers=1)
+            scores = fly_model(model, scale)
+            found.append((self.num_timesteps, spent_s, scores))
+            begun_s = time.process_time()
+
+    begun_s = time.process_time()
+    callback = Thirds()
+    model.learn(decisions, callback=callback)
+    if len(found) < 3:
+        callback.score()
+    return found
+
+
+def fly_model(model: Any, scale: Scale) -> Scores:
+    """Scores of a model's deterministic actions."""
+    from rss_gym.eval.evaluate import evaluate
+
+    return evaluate({"ppo": model}, "encounter-v0", EPISODES, SEED, workers=scale.workers, progress=False)["ppo"]

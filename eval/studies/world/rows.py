@@ -1,0 +1,60 @@
+"""Rows of scores that the sections share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rss_gym.eval.evaluate import evaluate
+from rss_gym.eval.metrics import Estimate
+from rss_gym.eval.studies.section import Scale
+
+HEADER = ("policy", "world", "cost m", "collision rate", "sNMAC rate", "mean deviation m")
+SEED = 930_000_101  # not the one that policies were tuned on
+ORCA = [f"orca:radius_m={radius}" for radius in (15, 20, 25, 30)]
+RULE = [f"orthogonal:radius_m={radius}" for radius in (30, 40, 50, 60)]
+
+Scores = dict[str, Estimate]
+
+
+def fly(
+    policies: list[str], scale: Scale, suite: str = "encounter-v0", episodes: int | None = None, **changes: Any
+) -> dict[str, Scores]:
+    """Scores by policy over the first encounters of the study's seed."""
+    count = scale.episodes if episodes is None else episodes
+    result = evaluate(policies, suite, count, SEED, workers=scale.workers, progress=False, **changes)
+    return {scored.entry.name: scored.metrics for scored in result.policies if scored.entry.name in policies}
+
+
+def cheapest(found: dict[str, Scores]) -> str:
+    """The policy of the least cost."""
+    return min(found, key=lambda name: value(found[name], "cost_m"))
+
+
+def value(scores: Scores, metric: str) -> float:
+    """A metric that is always defined."""
+    number = scores[metric].value
+    assert number is not None
+    return number
+
+
+def danger(scores: Scores) -> float:
+    """Collisions and sNMACs together, per encounter."""
+    return value(scores, "collision_rate") + value(scores, "snmac_rate")
+
+
+def interval(estimate: Estimate, form: str) -> str:
+    """Value with its 95 % interval."""
+    assert None not in (estimate.value, estimate.low, estimate.high)
+    return f"{estimate.value:{form}} [{estimate.low:{form}}, {estimate.high:{form}}]"
+
+
+def row(name: str, world: str, scores: Scores) -> list[str]:
+    """Cells of `HEADER`."""
+    return [
+        name,
+        world,
+        interval(scores["cost_m"], ".2f"),
+        interval(scores["collision_rate"], ".2e"),
+        interval(scores["snmac_rate"], ".2e"),
+        interval(scores["path_deviation_mean_m"], ".2f"),
+    ]
