@@ -32,6 +32,12 @@ def _sweep(order, count, r, v, side, reach_m, memory, out):
             x, y, z = r[k, 0] + out[0], r[k, 1] + out[1], r[k, 2] + out[2]
             if memory[k, KEPT] == 0.0 and x * x + y * y + z * z >= reach_m[k] * reach_m[k]:
                 continue  # (43)
+            if memory[k, KEPT] == 0.0 and (out[0] != 0.0 or out[1] != 0.0 or out[2] != 0.0):
+                # By the point that the nearer ones have displaced.
+                ax, ay = memory[k, HEADING_ALONG], memory[k, HEADING_RIGHT]
+                sx, sy, sz = side_of(x, y, z, v[k, 0], v[k, 1], v[k, 2])
+                side[k, 0], side[k, 1], side[k, 2] = sx, sy, sz
+                memory[k, ALONG], memory[k, RIGHT], memory[k, UP] = sx * ax + sy * ay, sy * ax - sx * ay, sz
             x, y, z = displacement(x, y, z, v[k, 0], v[k, 1], v[k, 2], reach_m[k], side[k, 0], side[k, 1], side[k, 2])
             if x * x + y * y + z * z > CLOSE_M * CLOSE_M:
                 memory[k, KEPT] = 1.0  # until the warning closes
@@ -94,13 +100,13 @@ def _steer(planned, cruise_mps, known, position_m, velocity_mps, radius_m, looka
 
 @dataclass(frozen=True, kw_only=True)
 class Orthogonal(Scripted):
-    """The orthogonal rule (43)-(45) on the tracks, keeping from each intruder the side on which it was.
+    """The orthogonal rule (43)-(45) on the tracks, keeping the side on which it was when a zone was first in its way.
 
     The predefined trajectory is where the commanded way point says, which is known exactly. All intruders are obeyed,
-    from the nearest on, each by the way point that those before it have displaced; the sweep is repeated until the way
-    point is outside every zone, four times at most. Between two whose zones overlap, with a side kept from each that
-    leads into the other, it never is. To pass everybody on the nearest one's side then did worse: of 1,000 encounters
-    with three intruders (`validation`, seed 0, 40 m) 42 in place of 17 ended in a collision.
+    from the nearest on, each by the way point that those before it have displaced, and on the side on which that is:
+    with sides by the own position alone 35 in place of 30 of 2,000 encounters with three intruders ended in a collision
+    (`validation`, seed 0, 40 m). The sweep is repeated until the way point is outside every zone, four times at most:
+    between two zones that overlap, with a side kept of each that leads into the other, it never is.
 
     Parameters
     ----------

@@ -149,14 +149,13 @@ def displaced(spec, decisions, **keywords):
 
 def test_constant_flies_to_the_displacement_it_names():
     offset, _, _ = displaced("constant:right_m=12,along_m=-5", 40)
-    np.testing.assert_allclose(offset[:, :2], np.tile([-5.0, 12.0], (len(offset), 1)), atol=0.1)
+    np.testing.assert_allclose(offset[:, :2], np.tile([-5.0, 12.0], (len(offset), 1)), atol=0.5)
 
 
 def test_a_displacement_of_a_kilometre_is_flown_to_at_full_speed():
-    offset, velocity, agent = displaced("constant:right_m=1000", 60)
-    cruise = np.linalg.norm(agent["planned_mps"], axis=1)
-    np.testing.assert_allclose(velocity[:, 1], np.sqrt(25.0 - cruise**2), rtol=0.1)
-    assert (offset[:, 1] > 50.0).all()
+    offset, velocity, _ = displaced("constant:right_m=1000", 60)
+    np.testing.assert_allclose(np.linalg.norm(velocity, axis=1), 5.0, rtol=0.01)
+    assert (offset[:, 1] > 100.0).all()
 
 
 def test_a_constant_velocity_is_flown():
