@@ -121,8 +121,8 @@ def load(folder: str | os.PathLike[str], params: Params | None = None, called: s
         known = network.inputs(world)
         if document["observation"] != known:
             raise ParamsError(
-                f"{DOCUMENT}: it was made for {len(document['observation'])} fields, and this world has {len(known)} or "
-                "others; planar and intruders must be as in training"
+                f"{DOCUMENT}: it was made for {len(document['observation'])} fields, and this world has {len(known)} "
+                "or others; planar and intruders must be as in training"
             )
         tensors = tensors_of(blob, network.shapes(world))
     except ParamsError as error:

@@ -87,7 +87,7 @@ class Mpc(Scripted):
         Deviation that a whole radius of missing separation is worth.
     """
 
-    radius_m: float = number(30.0, 1.0, 1000.0)
+    radius_m: float = number(20.0, 1.0, 1000.0)
     lookahead_s: float = number(10.0, 0.5, 120.0)
     sigmas: float = number(1.0, 0.0, 10.0)
     farthest_m: float = number(60.0, 1.0, 1000.0)
@@ -113,7 +113,7 @@ class Mpc(Scripted):
         )
         _steer(
             candidates(self.farthest_m, 0.0 if world.encounter.planar else world.encounter.altitude_band_m),
-            vectors(seen, "offset", "m"),
+            vectors(seen, "way_point", "m"),
             vectors(seen, "velocity", "mps"),
             vectors(seen, "way_point", "m"),
             np.ascontiguousarray(seen["cruise_mps"]),

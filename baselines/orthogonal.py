@@ -15,10 +15,38 @@ from rss_gym.params import MAX_INTRUDERS, number
 
 STILL_MPS = 0.5  # an intruder slower than this counts as hovering: the direction of its track is mostly error
 SWEEPS = 4  # over all intruders, in search of a way point outside every zone
+CLOSE_M = 1e-6  # a displacement below this is none
 # Columns of the memory of an intruder: whether a side is kept, whether the intruder was moving, its heading in the axes
 # of the leg, and the side in the axes of its flight.
 KEPT, MOVING, HEADING_ALONG, HEADING_RIGHT, ALONG, RIGHT, UP, WIDTH = range(8)
 COS_TURNED = 0.8660254037844386  # 30 degrees: after such a turn, of either, the side is chosen anew
+
+
+@kernel
+def _sweep(order, count, r, v, side, reach_m, memory, out):
+    """Displace the way point by `out` (3,): from each intruder in turn, again until it is outside every zone."""
+    for _ in range(SWEEPS if count > 1 else count):
+        is_outside = True
+        for n in range(count):
+            k = order[n]
+            x, y, z = r[k, 0] + out[0], r[k, 1] + out[1], r[k, 2] + out[2]
+            if memory[k, KEPT] == 0.0 and x * x + y * y + z * z >= reach_m[k] * reach_m[k]:
+                continue  # (43)
+            if memory[k, KEPT] == 0.0 and (out[0] != 0.0 or out[1] != 0.0 or out[2] != 0.0):
+                # By the point that the nearer ones have displaced.
+                ax, ay = memory[k, HEADING_ALONG], memory[k, HEADING_RIGHT]
+                sx, sy, sz = side_of(x, y, z, v[k, 0], v[k, 1], v[k, 2])
+                side[k, 0], side[k, 1], side[k, 2] = sx, sy, sz
+                memory[k, ALONG], memory[k, RIGHT], memory[k, UP] = sx * ax + sy * ay, sy * ax - sx * ay, sz
+            x, y, z = displacement(x, y, z, v[k, 0], v[k, 1], v[k, 2], reach_m[k], side[k, 0], side[k, 1], side[k, 2])
+            if x * x + y * y + z * z > CLOSE_M * CLOSE_M:
+                memory[k, KEPT] = 1.0  # until the warning closes
+                out[0] += x
+                out[1] += y
+                out[2] += z
+                is_outside = False
+        if is_outside:
+            break
 
 
 @kernel
@@ -28,14 +56,10 @@ def _steer(planned, cruise_mps, known, position_m, velocity_mps, radius_m, looka
     `planned` (n, 3) is the predefined trajectory now, relative to the own position; `memory` (n, K, WIDTH).
     """
     intruders = known.shape[1]
-    # Of each intruder obeyed: from it to the predefined way point at n + 1, its velocity, side, and radius in the plane.
-    r, v, side, reach_m = (
-        np.zeros((intruders, 3)),
-        np.zeros((intruders, 3)),
-        np.zeros((intruders, 3)),
-        np.zeros(intruders),
-    )
-    order, far = np.zeros(intruders, np.int64), np.zeros(intruders)
+    # Of each intruder: from where it will be to the predefined way point, its velocity, the side to be on, and the
+    # zone's radius in the plane that counts.
+    r, v, side = np.zeros((intruders, 3)), np.zeros((intruders, 3)), np.zeros((intruders, 3))
+    order, far, reach_m = np.zeros(intruders, np.int64), np.zeros(intruders), np.zeros(intruders)
     for row in range(len(out)):
         count = 0
         for k in range(intruders):
@@ -47,8 +71,7 @@ def _steer(planned, cruise_mps, known, position_m, velocity_mps, radius_m, looka
                 v[k, axis] = velocity_mps[row, k, axis]
                 r[k, axis] = planned[row, axis] - u[axis] - v[k, axis] * lookahead_s
             r[k, 0] += cruise_mps[row] * lookahead_s
-            reach_m[k] = radius_m
-            ux, uy, uz = u[0], u[1], u[2]
+            ux, uy, uz, reach_m[k] = u[0], u[1], u[2], radius_m
             if level:  # the zone's section at the height of the way point
                 reach_m[k] = np.sqrt(max(radius_m * radius_m - r[k, 2] * r[k, 2], 0.0))
                 r[k, 2] = v[k, 2] = uz = 0.0
@@ -60,45 +83,30 @@ def _steer(planned, cruise_mps, known, position_m, velocity_mps, radius_m, looka
             ax, ay = (v[k, 0] / speed, v[k, 1] / speed) if speed > 0.0 else (1.0, 0.0)
             turned = ax * m[HEADING_ALONG] + ay * m[HEADING_RIGHT] < COS_TURNED
             if m[KEPT] == 0.0 or m[MOVING] != moving or turned:
-                # On which side the aircraft itself is.
+                # On which side of the other the aircraft itself is; one that is displaced already stays there.
                 x, y, z = side_of(-ux, -uy, -uz, v[k, 0], v[k, 1], v[k, 2])
-                m[KEPT], m[MOVING], m[HEADING_ALONG], m[HEADING_RIGHT] = 0.0, moving, ax, ay
+                m[MOVING], m[HEADING_ALONG], m[HEADING_RIGHT] = moving, ax, ay
                 m[ALONG], m[RIGHT], m[UP] = x * ax + y * ay, y * ax - x * ay, z
             side[k, 0], side[k, 1] = m[ALONG] * ax - m[RIGHT] * ay, m[ALONG] * ay + m[RIGHT] * ax
             side[k, 2] = m[UP]
-            square = ux * ux + uy * uy + uz * uz
-            at = count
+            square, at = ux * ux + uy * uy + uz * uz, count
             while at > 0 and far[at - 1] > square:
                 order[at], far[at] = order[at - 1], far[at - 1]
                 at -= 1
             order[at], far[at] = k, square
             count += 1
-        for _ in range(SWEEPS if count > 1 else count):
-            moved = False
-            for n in range(count):
-                k = order[n]
-                x, y, z = r[k, 0] + out[row, 0], r[k, 1] + out[row, 1], r[k, 2] + out[row, 2]
-                if memory[row, k, KEPT] == 0.0 and x * x + y * y + z * z >= reach_m[k] * reach_m[k]:
-                    continue  # (43)
-                x, y, z = displacement(
-                    x, y, z, v[k, 0], v[k, 1], v[k, 2], reach_m[k], side[k, 0], side[k, 1], side[k, 2]
-                )
-                if x != 0.0 or y != 0.0 or z != 0.0:
-                    memory[row, k, KEPT] = 1.0  # until the warning closes
-                    out[row, 0] += x
-                    out[row, 1] += y
-                    out[row, 2] += z
-                    moved = True
-            if not moved:
-                break
+        _sweep(order, count, r, v, side, reach_m, memory[row], out[row])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Orthogonal(Scripted):
-    """The orthogonal rule (43)-(45) on the tracks, keeping from each intruder the side on which it was.
+    """The orthogonal rule (43)-(45) on the tracks, keeping the side on which it was when a zone was first in its way.
 
-    All intruders are obeyed, from the nearest on, each by the way point that those before it have displaced; the sweep
-    is repeated until the way point is outside every zone, or four times.
+    The predefined trajectory is where the commanded way point says, which is known exactly. All intruders are obeyed,
+    from the nearest on, each by the way point that those before it have displaced, and on the side on which that is:
+    with sides by the own position alone 35 in place of 30 of 2,000 encounters with three intruders ended in a collision
+    (`validation`, seed 0, 40 m). The sweep is repeated until the way point is outside every zone, four times at most:
+    between two zones that overlap, with a side kept of each that leads into the other, it never is.
 
     Parameters
     ----------
@@ -126,7 +134,7 @@ class Orthogonal(Scripted):
         others, out = intruders(seen), np.zeros((len(memory), 3))
         level = self.level > 0.0 or self.world.encounter.planar
         _steer(
-            -vectors(seen, "offset", "m"),
+            -vectors(seen, "way_point", "m"),
             np.ascontiguousarray(seen["cruise_mps"]),
             others.known,
             others.position_m,

@@ -34,7 +34,7 @@ class VelocityRule(Scripted):
         The radius grows by this many standard deviations of the track's position.
     """
 
-    radius_m: float = number(25.0, 1.0, 1000.0)
+    radius_m: float = number(20.0, 1.0, 1000.0)
     lookahead_s: float = number(20.0, 0.5, TIME_MAX_S)
     sigmas: float = number(1.0, 0.0, 10.0)
 

@@ -32,7 +32,10 @@ def limited(velocity_mps: np.ndarray, world: Params) -> np.ndarray:
 def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: Params) -> np.ndarray:
     """Actions that give the way point these velocities.
 
-    a = (v - v_planned) / limit, in each axis, of v held within the limits on speed as the world holds it.
+    a = (v - v_planned) / limit, in each axis, of v held within the limits on speed as the world holds it. Backwards an
+    action says no more than the limit less the planned speed. To hold v to that first, and then to the limits, which
+    favours the way to the side, had the orthogonal rule collide in 5 encounters in place of 3 (40 m, 4,000 encounters
+    of `validation`, seed 0).
 
     Parameters
     ----------
@@ -46,11 +49,12 @@ def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: P
     Returns
     -------
     (n, 3) array
-        Beyond [-1, 1] only along, where the way point is to go back faster than the limit less the planned speed.
+        In [-1, 1].
     """
     craft, velocity = world.aircraft, limited(velocity_mps, world)
     velocity[:, 0] -= seen["cruise_mps"]
-    return velocity / [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
+    actions = velocity / [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
+    return np.maximum(actions, -1.0)
 
 
 def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params) -> np.ndarray:
@@ -68,6 +72,7 @@ def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params)
     Returns
     -------
     (n, 3) array
+        In [-1, 1].
     """
     velocity = (target_m - vectors(seen, "way_point", "m")) / world.clock.decision_s
     velocity[:, 0] += seen["cruise_mps"]

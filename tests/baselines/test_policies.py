@@ -18,7 +18,7 @@ WORLDS = {
 def world_for(name, keywords):
     """A world that the policy can fly in."""
     keywords = ({"planar": False} if baselines.POLICIES[name].in_space else {}) | keywords
-    return Params.of(track="range", **keywords) if name == "modified-orthogonal" else Params.of(**keywords)
+    return Params.of(information="ranges", **keywords) if name == "modified-orthogonal" else Params.of(**keywords)
 
 
 def flown(policy, count, steps=60):
@@ -99,12 +99,13 @@ def test_bad_specifications_are_refused_in_one_sentence(spec, words):
         assert word in str(caught.value)
 
 
-def test_the_rule_listens_to_messages_only():
+def test_the_rule_stays_on_its_path_until_it_is_warned():
     policy = baselines.make("orthogonal:radius_m=60")
+    warned = np.zeros(32, bool)
     for observations, actions, _ in flown(policy, 32, 120):
-        seen = observation.split(observations, policy.world)
-        silent = (seen["warning"][:, 0] == 0.0) | (seen["message_valid"][:, 0] == 0.0)
-        assert not actions[silent].any()
+        warned |= observation.split(observations, policy.world)["warning"][:, 0] > 0.5
+        assert not np.abs(actions[~warned]).max(initial=0.0) > 1e-6
+    assert warned.any()
 
 
 def test_climb_flies_its_height():
@@ -120,26 +121,51 @@ def test_climb_flies_its_height():
 
 @pytest.mark.parametrize("planar", [True, False])
 def test_those_able_in_a_world_can_be_made_in_it(planar):
-    for track in ("oracle", "paper", "range"):
-        world = Params.of(track=track, planar=planar)
+    for information in ("oracle", "positions", "ranges"):
+        world = Params.of(information=information, planar=planar)
         names = baselines.able(world)
         assert ("climb" in names) is not planar and {"none", "constant", "orca", "mpc"} <= set(names)
-        assert ("modified-orthogonal" in names) is (track == "range")
-        assert {baselines.make(name, world).world.interface.track for name in names} == {track}
+        assert ("modified-orthogonal" in names) is (information == "ranges")
+        assert all(baselines.make(name, world).world == world for name in names)
 
 
-def test_constant_flies_the_displacement_it_names():
-    policy = baselines.make("constant:right_m=12,along_m=-5")
+def displaced(spec, decisions, **keywords):
+    """Own positions minus the predefined ones along the leg, to the right and up, of straight flights; speeds."""
+    policy = baselines.make(spec, Params.of(gust_mps=0.0, **keywords))
     batch = Batch(policy.world, 8)
     batch.seed(np.arange(8, dtype=np.uint64))
     batch.reset(np.ones(8, bool))
-    for _ in range(40):
+    for _ in range(decisions):
         actions, _ = policy.predict(batch.observations)
         batch.step(decode(actions, policy.world, 8), np.zeros(8, bool))
     agent = batch.world.aircraft[:, 0]
+    agent = agent[(agent["path_points"] == 2) & ~batch.episode["collision"]]
+    assert len(agent) >= 3
+    along = agent["along"]
+    axes = np.stack([along, np.stack([along[:, 1], -along[:, 0], along[:, 2]], axis=1), [[0.0, 0.0, 1.0]] * len(agent)])
     offset = agent["position_m"] - agent["planned_m"]
-    along = (offset * agent["along"]).sum(axis=1)
-    right = offset[:, 0] * agent["along"][:, 1] - offset[:, 1] * agent["along"][:, 0]
-    straight = (agent["path_points"] == 2) & ~batch.episode["collision"]
-    np.testing.assert_allclose(along[straight], -5.0, atol=1.5)
-    np.testing.assert_allclose(right[straight], 12.0, atol=1.5)
+    return (axes * offset).sum(axis=2).T, (axes * agent["velocity_mps"]).sum(axis=2).T, agent
+
+
+def test_constant_flies_to_the_displacement_it_names():
+    offset, _, _ = displaced("constant:right_m=12,along_m=-5", 40)
+    np.testing.assert_allclose(offset[:, :2], np.tile([-5.0, 12.0], (len(offset), 1)), atol=0.5)
+
+
+def test_a_displacement_of_a_kilometre_is_flown_to_at_full_speed():
+    offset, velocity, _ = displaced("constant:right_m=1000", 60)
+    np.testing.assert_allclose(np.linalg.norm(velocity, axis=1), 5.0, rtol=0.01)
+    assert (offset[:, 1] > 100.0).all()
+
+
+def test_a_constant_velocity_is_flown():
+    _, velocity, _ = displaced("velocity:along_mps=-1,right_mps=2,up_mps=0.5", 20, planar=False)
+    np.testing.assert_allclose(velocity, np.tile([-1.0, 2.0, 0.5], (len(velocity), 1)), atol=0.05)
+
+
+def test_who_stops_stands_still_and_who_runs_back_goes_back():
+    _, velocity, _ = displaced("stop", 20)
+    np.testing.assert_allclose(velocity, 0.0, atol=0.02)
+    _, velocity, agent = displaced("back", 20)
+    cruise = np.linalg.norm(agent["planned_mps"], axis=1)
+    np.testing.assert_allclose(velocity[:, 0], cruise - 5.0, atol=0.05)

@@ -44,8 +44,7 @@ def home(name):
 
 def test_it_loads_in_its_own_world_and_is_small(name):
     agent = baselines.make(name, home(name))
-    assert isinstance(agent, Agent) and agent.world.interface.to_dict() == agent.interface()
-    assert agent.world.interface.track == home(name).interface.track
+    assert isinstance(agent, Agent) and agent.world == home(name)
     assert sum(file.stat().st_size for file in AGENTS[name].iterdir()) < SIZE_MAX
     assert {file.name for file in AGENTS[name].iterdir()} == {
         "policy.json", "policy.safetensors", "card.md", "curves.csv", "curves.svg"
@@ -71,7 +70,7 @@ def test_where_it_cannot_fly_is_one_sentence(name):
     for keywords in IDS.values():
         world = Params.of(**keywords)
         if name in baselines.able(world):
-            assert entry(name, world).world.interface.track == world.interface.track
+            assert entry(name, world).world == world
             continue
         with pytest.raises(ParamsError, match=name) as caught:
             entry(name, world)
@@ -79,12 +78,12 @@ def test_where_it_cannot_fly_is_one_sentence(name):
     assert name in baselines.able(home(name))
 
 
-def test_its_own_track_alone_may_be_named(name):
-    own = home(name).interface.track
-    assert baselines.make(f"{name}@{own}", home(name)).world.interface.track == own
-    for track in {"oracle", "paper", "range"} - {own}:
-        with pytest.raises(ParamsError, match=f"{name}.*cannot fly on track '{track}'.*'{own}'"):
-            baselines.make(f"{name}@{track}", home(name))
+def test_its_own_information_alone_may_be_named(name):
+    own = home(name).interface.information
+    assert baselines.make(f"{name}@{own}", home(name)).world == home(name)
+    for level in {"oracle", "positions", "ranges"} - {own}:
+        with pytest.raises(ParamsError, match=f"{name}.*cannot fly on information '{level}'.*'{own}'"):
+            baselines.make(f"{name}@{level}", home(name))
     with pytest.raises(ParamsError, match="it has none"):
         baselines.make(f"{name}:radius_m=3", home(name))
     with pytest.raises(ParamsError, match="unknown"):
@@ -109,10 +108,13 @@ def test_a_row_of_a_batch_equals_the_row_alone(name):
 
 def test_name_and_folder_are_one_policy_for_the_records(name):
     world, folder = home(name), str(AGENTS[name])
-    assert entry(name, world).hash == entry(folder, world).hash == entry(f"{name}@{world.interface.track}", world).hash
+    assert (
+        entry(name, world).hash
+        == entry(folder, world).hash
+        == entry(f"{name}@{world.interface.information}", world).hash
+    )
     assert entry(name, world).name == name and entry(name, world).hash != entry("none", world).hash
-    if world.interface.track != "range":  # the filter reads positions
-        assert entry(f"cbf+{name}", world).hash == entry(f"cbf+{folder}", world).hash != entry(name, world).hash
+    assert entry(f"cbf+{name}", world).hash == entry(f"cbf+{folder}", world).hash != entry(name, world).hash
 
 
 def test_it_is_listed(name, capsys):

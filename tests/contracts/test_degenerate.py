@@ -9,14 +9,14 @@ from rss_gym.eval.suites import DEGENERATE
 from rss_gym.params import Params, ParamsError
 
 COUNT = 24
-FLYABLE = [(name, track) for name, kind in sorted(baselines.POLICIES.items()) for track in kind.tracks]
+FLYABLE = [(name, level) for name, kind in sorted(baselines.POLICIES.items()) for level in kind.information]
 
 
-def flown(name, family, track="paper"):
+def flown(name, family, information="positions"):
     """A finished batch, and the greatest speed seen."""
     planar = name not in baselines.POLICIES or not baselines.POLICIES[name].in_space
-    policy = baselines.make(name, Params.of(families=family, track=track, planar=planar))
-    assert "@" in name or policy.world.interface.track == track
+    policy = baselines.make(name, Params.of(families=family, information=information, planar=planar))
+    assert "@" in name or policy.world.interface.information == information
     batch = Batch(policy.world, COUNT)
     batch.seed(np.arange(COUNT, dtype=np.uint64))
     batch.reset(np.ones(COUNT, bool))
@@ -32,9 +32,9 @@ def flown(name, family, track="paper"):
 
 
 @pytest.mark.parametrize("family", DEGENERATE)
-@pytest.mark.parametrize(("name", "track"), FLYABLE)
-def test_any_policy_stays_finite_and_within_the_speed_limit(name, track, family):
-    batch, fastest_mps = flown(name, family, track)
+@pytest.mark.parametrize(("name", "information"), FLYABLE)
+def test_any_policy_stays_finite_and_within_the_speed_limit(name, information, family):
+    batch, fastest_mps = flown(name, family, information)
     assert fastest_mps <= batch.params.aircraft.speed_max_mps * (1 + 1e-12)
     for field in ("position_m", "solution_m", "way_point_m"):
         assert np.isfinite(batch.world.aircraft[field]).all()
