@@ -95,8 +95,8 @@ def test_stages():
         },
     )
     assert [recipe.stage(steps) for steps in (0, 199, 200, 499, 500, 1000)] == [0, 0, 1, 1, 2, 2]
-    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [35.0, 20.0, 35.0]
-    assert [recipe.params_of(stage).reward.collision_price_m for stage in range(3)] == [1000.0, 1000.0, 500.0]
+    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [25.0, 20.0, 25.0]
+    assert [recipe.params_of(stage).reward.collision_price_m for stage in range(3)] == [300.0, 300.0, 500.0]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_stages():
         ({"algorithm.gamma": "high"}, ["gamma", "'high'"]),
         ({"algorithm.gamma": 1.5}, ["gamma", "1.5"]),
         ({"algorithm.n_steps": 1.5}, ["n_steps", "whole number"]),
-        ({"algorithm.batch_size": 3000}, ["batch_size", "3000", "32768"]),
+        ({"algorithm.batch_size": 3000}, ["batch_size", "3000", "8192"]),
         ({"policy.net_arch": [0]}, ["net_arch", "[0]"]),
         ({"policy.net_arch": 64}, ["net_arch", "64"]),
         ({"policy.net_arch": [8] * 9}, ["net_arch", "8 layers"]),
