@@ -183,9 +183,9 @@ def sweep(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int = 
     return sorted(found, key=lambda swept: (swept.cost_m.value or 0.0, swept.name))
 
 
-def cheapest(suite: str | Suite, episodes: int = 2000, seed: int = 0) -> Swept:
+def cheapest(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int = 200, kept: int = 16) -> Swept:
     """The cheapest of `sweep`."""
-    return sweep(suite, episodes, seed)[0]
+    return sweep(suite, episodes, seed, first, kept)[0]
 
 
 def _flown(manoeuvre: Manoeuvre, world: Params, split: str, episodes: int, seed: int) -> Swept:

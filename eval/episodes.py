@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.core import SPLITS, Batch, decode
+from rss_gym.core import SPLITS, Batch, NotFiniteError, decode
 from rss_gym.eval.table import TABLE
 from rss_gym.params import Params
 from rss_gym.physics.random import uniform
@@ -63,6 +63,8 @@ def command(policy: Any, name: str, observations: np.ndarray, state: Any, first:
     """Ask the policy; its argument is a copy, so it cannot change what is scored."""
     try:
         answer = policy.predict(observations.copy(), state=state, episode_start=first, deterministic=True)
+    except NotFiniteError:  # of a world that the policy looks ahead in: no fault of its own
+        raise
     except (Exception, SystemExit) as error:
         raise PolicyError(f"policy {name!r} raised {described(error)}") from error
     if not isinstance(answer, tuple) or len(answer) != 2:

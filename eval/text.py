@@ -74,9 +74,13 @@ def table(result: Result, columns: Columns = COLUMNS, colour: bool = False) -> s
             places.append(place)
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines = [red(line, colour and _is_barred(place)) for line, place in zip(lines, places, strict=True)]
+    lines = [
+        red(line, colour and place is not None and place.place is None)
+        for line, place in zip(lines, places, strict=True)
+    ]
     lines.insert(1, "  ".join("-" * width for width in widths))
-    lines += [red(f"NOT RANKED: {place.name}: {_reason(place)}", colour) for place in places if _is_barred(place)]
+    barred = [place for place in places if place is not None and place.place is None]
+    lines += [red(f"NOT RANKED: {place.name}: {_reason(place)}", colour) for place in barred]
     lines.append(
         f"{result.episodes} encounters of suite {result.suite.name}, split {result.suite.split}, seed {result.seed}; "
         "95 % intervals; rates are per encounter of this distribution, not per flight hour; ranked by cost, the "
@@ -85,12 +89,7 @@ def table(result: Result, columns: Columns = COLUMNS, colour: bool = False) -> s
     return "\n".join(lines)
 
 
-def _is_barred(place: Place | None) -> bool:
-    return place is not None and place.place is None
-
-
-def _reason(place: Place | None) -> str:
-    assert place is not None
+def _reason(place: Place) -> str:
     count = f"{place.faults:,} encounter{'s' * (place.faults != 1)}"
     return f"in {count} it gave an action that is not finite"
 

@@ -1,8 +1,7 @@
 """PPO in one file, on `gym.make_vec` and PyTorch alone: python examples/ppo_single_file.py [--steps N].
 
-Two million decisions, seed 0, take two minutes of processor time. Over 5,000 encounters of split `suite` the policy
-then collided in 5.2e-3 [3.4e-3, 7.6e-3] at a mean deviation of 11.2 m: as the paper's rule at 40 m (4.8e-3 at 11.6 m),
-where doing nothing collides in 0.39. On the observations alone, without `seen`, one million reach 4.9e-2 at 19 m.
+Two million decisions take about two minutes of processor time. The policy is scored beside the paper's rule on
+encounters that it has not seen, in the default world; only the prices of the reward are others in training.
 """
 
 import argparse
@@ -16,31 +15,28 @@ import torch
 from torch import nn
 
 import rss_gym  # noqa: F401  registers the ids
-from rss_gym import observation
 from rss_gym.eval import evaluate, text
-from rss_gym.params import Params
 
-# Farther way points than the default, and a cost already inside 40 m: collisions alone are too rare to learn from.
-WORLD: dict[str, Any] = {"reach_m": 60.0, "proximity": 3.0, "comfort_m": 40.0, "collision": 100.0}
+# Being near costs something already, and a collision less than in the scores: alone it is too rare to learn from.
+PRICES: dict[str, Any] = {"proximity_price_m": 5.0, "comfort_m": 35.0, "collision_price_m": 1000.0}
 ROWS, LENGTH = 256, 64  # of a rollout
 EPOCHS, MINIBATCH = 6, 2048
 RATE, DISCOUNT, LAMBDA, CLIP = 7e-4, 0.99, 0.95, 0.2
-LOG_STD = -1.5
+LOG_STD = -1.0
 
 
 class Actor(nn.Module):
     """Gaussian policy and value; `predict` is the mean action, as the evaluator wants it."""
 
-    def __init__(self, world: Params, inputs: int, axes: int) -> None:
+    def __init__(self, inputs: int, axes: int) -> None:
         super().__init__()
-        self.world = world
         self.mean = self._network(inputs, axes, 0.01)
         self.value = self._network(inputs, 1, 1.0)
         self.log_std = nn.Parameter(torch.full((axes,), LOG_STD))
 
     @staticmethod
     def _network(inputs: int, outputs: int, gain: float) -> nn.Sequential:
-        layers = [nn.Linear(inputs, 128), nn.Linear(128, 128), nn.Linear(128, outputs)]
+        layers = [nn.Linear(inputs, 64), nn.Linear(64, 64), nn.Linear(64, outputs)]
         for layer, size in zip(layers, (2**0.5, 2**0.5, gain), strict=True):
             nn.init.orthogonal_(layer.weight, size)
             nn.init.zeros_(layer.bias)
@@ -55,36 +51,7 @@ class Actor(nn.Module):
         self, rows: np.ndarray, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> Any:
         """Actions (n, axes) for observations (n, d)."""
-        return self.mean(seen(rows, self.world)).clamp(-1.0, 1.0).numpy(), state
-
-
-def seen(rows: np.ndarray, world: Params) -> torch.Tensor:
-    """The observations, and behind them the closest approach that the last message predicts, zero without one.
-
-    It is predicted twice, from where the agent flies and from where its path would have it: time, relative position
-    then, its distance, and how far to the right the intruder passes.
-    """
-    told = observation.split(rows, world)  # fields by name, in SI units; those of intruders are (n, 1)
-
-    def vector(name: str, unit: str) -> np.ndarray:
-        return np.stack([told[f"{name}_along_{unit}"], told[f"{name}_right_{unit}"]], -1).reshape(len(rows), 2)
-
-    announced = vector("message_velocity", "mps")
-    position = vector("message_position", "m") + announced * told["message_age_s"]
-    planned = np.stack([told["cruise_mps"], np.zeros(len(rows))], -1)
-    columns = []
-    for start, own in ((position, vector("velocity", "mps")), (position + vector("track_error", "m"), planned)):
-        velocity = announced - own
-        speed = np.maximum(np.linalg.norm(velocity, axis=1), 0.1)
-        time_s = np.clip(-(start * velocity).sum(1) / speed**2, 0.0, 60.0)
-        miss = start + velocity * time_s[:, None]
-        distance = np.linalg.norm(miss, axis=1)
-        side = (velocity[:, 0] * start[:, 1] - velocity[:, 1] * start[:, 0]) / speed
-        lengths = np.stack([start[:, 0], start[:, 1], miss[:, 0], miss[:, 1], distance, side], -1)
-        # Small lengths matter most: x / (|x| + 10 m) tells them apart.
-        columns += [time_s[:, None] / 20.0, lengths / (np.abs(lengths) + 10.0), lengths.clip(-150.0, 150.0) / 30.0]
-    features = np.concatenate(columns, axis=1) * told["message_valid"]
-    return torch.from_numpy(np.concatenate([rows, features], axis=1, dtype=np.float32))
+        return self.mean(torch.from_numpy(rows)).clamp(-1.0, 1.0).numpy(), state
 
 
 class Scale:
@@ -106,11 +73,10 @@ def train(steps: int, seed: int) -> Actor:
     """The actor after so many decisions over all rows."""
     torch.manual_seed(seed)
     torch.set_num_threads(1)
-    envs = gym.make_vec("rss_gym/Encounter-v0", num_envs=ROWS, autoreset_mode="SameStep", **WORLD)
-    world, axes = Params.of(**WORLD), envs.single_action_space.shape[0]
-    now = seen(envs.reset(seed=seed)[0], world)
-    inputs = now.shape[1]
-    actor = Actor(world, inputs, axes)
+    envs = gym.make_vec("rss_gym/Encounter-v0", num_envs=ROWS, autoreset_mode="SameStep", **PRICES)
+    inputs, axes = envs.single_observation_space.shape[0], envs.single_action_space.shape[0]
+    now = torch.from_numpy(envs.reset(seed=seed)[0])
+    actor = Actor(inputs, axes)
     optimiser = torch.optim.Adam(actor.parameters(), eps=1e-5)
     rollouts = max(1, steps // (ROWS * LENGTH))
     observations, actions = torch.zeros(LENGTH, ROWS, inputs), torch.zeros(LENGTH, ROWS, axes)
@@ -125,10 +91,10 @@ def train(steps: int, seed: int) -> Actor:
                 drawn = actor.distribution(now).sample()
             observations[t], actions[t] = now, drawn
             after, reward, terminated, truncated, infos = envs.step(drawn.clamp(-1.0, 1.0).numpy())
-            # The clock is observed and ends every encounter alike, so its end is an end, without a value beyond it.
+            # A flight that has run its time is over, as after a collision: nothing is paid beyond it.
             ended = terminated | truncated
             rewards[t], dones[t] = torch.from_numpy(scale(reward, ended)), torch.from_numpy(ended)
-            now = seen(after, world)
+            now = torch.from_numpy(after)
             if ended.any():
                 ends += int(ended.sum())
                 collisions += int(infos["final_info"]["collision"].sum())
@@ -189,7 +155,7 @@ def main() -> None:
         "orthogonal, 30 m": "orthogonal:radius_m=30",
         "orthogonal, 40 m": "orthogonal:radius_m=40",
     }
-    print(text.table(evaluate(policies, episodes=options.episodes, reach_m=WORLD["reach_m"])))
+    print(text.table(evaluate(policies, episodes=options.episodes)))
 
 
 if __name__ == "__main__":

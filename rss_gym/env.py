@@ -115,9 +115,10 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     | 56 | `intruder_0.planned_miss_up_m` | m | x / (abs(x) + 10) | -1 | 1 | where the intruder is then |
     | 57 | `intruder_0.planned_distance_m` | m | x / (abs(x) + 10) | 0 | 1 | how far away it is then |
 
-    Planar worlds have no `up` fields. Information `ranges` has no `message_position`, `message_way_point` and
-    `message_std_m`, and adds `side_probability` and `other_position_along_m`, `other_position_right_m` behind the
-    track's standard deviations, as ranges alone leave it open on which side of the relative velocity the intruder is.
+    Planar worlds have no `up` fields. Information `ranges` has no `message_position`, `message_way_point`,
+    `message_std_m` and `solution_std_m`, which by dead reckoning would tell the time flown. It adds `side_probability`
+    and `other_position_along_m`, `other_position_right_m` behind the track's standard deviations, as ranges alone leave
+    it open on which side of the relative velocity the intruder is.
     With information `oracle` every field is the true state, and the track is the truth with standard deviation 0.
     Otherwise nothing here is a true state. The columns of any world are `rss_gym.observation.fields(params)`;
     `rss_gym.observation.split` is the way back to SI units. Fields of absent intruders are zero, those of message

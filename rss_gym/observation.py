@@ -121,7 +121,8 @@ def fields(params: Params) -> list[Field]:
     """The columns of the observation in a world of these parameters, in order."""
     ranges = params.interface.information == "ranges"
     intruder = _RADIO + _MESSAGE + ([] if ranges else _POSITION) + _TRACK + (_SIDES if ranges else []) + _APPROACH
-    columns = list(_OWN)
+    # By dead reckoning the accuracy of the own solution would tell the flight's clock.
+    columns = _OWN[:-1] if ranges else list(_OWN)
     for k in range(params.encounter.intruders):
         columns += [
             Field(f"intruder_{k}.{f.name}", f.unit, f.scale, f.low, f.high, f.meaning, f.stretch) for f in intruder
@@ -217,8 +218,8 @@ def put_approach(out, at, x, y, z, vx, vy, vz, along, planar):
 
 
 @inner
-def put_own(own, planar, out):
-    """Write what the agent knows of itself."""
+def put_own(own, planar, positions, out):
+    """Write what the agent knows of itself; the accuracy of its position where positions are exchanged."""
     along, at = own.along, np.int64(0)  # a literal would compile the writers twice
     at = put_difference(out, at, own.way_point_m, own.planned_m, along, planar)
     at = put_difference(out, at, own.position_m, own.planned_m, along, planar)
@@ -227,8 +228,10 @@ def put_own(own, planar, out):
     v = own.planned_mps
     out[at] = v[0] * along[0] + v[1] * along[1]
     at = put_vector(out, at + 1, own.ahead_m[0], own.ahead_m[1], 0.0, along, True)
-    out[at] = own.std_m
-    return at + 1
+    if positions:
+        out[at] = own.std_m
+        at += 1
+    return at
 
 
 @inner
@@ -290,7 +293,7 @@ def write(own, others, tracks, planar, positions, raw):
 
     `own` is a record of OWN, `others` (K,) of OTHER and `tracks` (K,) of TRACK.
     """
-    at = put_own(own, planar, raw)
+    at = put_own(own, planar, positions, raw)
     raw[at:] = 0.0
     axes = 2 if planar else 3
     width = (len(raw) - at) // len(others)

@@ -226,9 +226,9 @@ class Ranging(Group):
     """The estimator of range and its tuning; `ranging/` holds the filters, (12)-(21)."""
 
     estimator: str = choice("ekf-coloured", Estimator)
-    process_noise_m2: float = number(16.0, 1e-6, 1e6)  # Var(w) a tick without psi
-    process_noise_psi_m2: float = number(1.0, 1e-6, 1e6)  # 2 Tv Delta sigma_v^2 of two broadcast velocities
-    bearing_inflation: float = number(20.0, 0.0, 1e4)  # the bearing's error persists over this many ticks
+    process_noise_m2: float = number(64.0, 1e-6, 1e6)  # Var(w) a tick without psi
+    process_noise_psi_m2: float = number(0.5, 1e-6, 1e6)  # 2 Tv Delta sigma_v^2 of one broadcast velocity
+    bearing_inflation: float = number(60.0, 0.0, 1e4)  # the bearing's error persists over this many ticks
     prior_range_m: float = number(160.0, 1.0, 1e4)
     prior_std_m: float = number(60.0, 0.1, 1e4)
     node_prior_range_m: float = number(150.0, 1.0, 1e4)
@@ -264,6 +264,14 @@ class Tracking(Group):
 
     tracker: str = choice("fused", Tracker)
     track_range: bool = True  # False: `fused` leaves the range out, to measure what it is worth
+    unheard_mps: float = number(1.0, 0.0, 10.0)  # error of an intruder's velocity that is no longer told
+    unheard_tc_s: float = number(5.0, 0.1, 60.0)  # how long that error lasts
+    # `fused` holds that a fix, or a range, of stated std s at distance d errs by s^2 (1 + k (s / d)^2).
+    message_share: float = number(30.0, 0.0, 1e3)
+    range_share: float = number(8.0, 0.0, 1e3)
+    range_repeat: float = number(2.0, 0.0, 100.0)  # and that a range repeats its error for so many correlation times
+    miss_std_m: float = number(42.0, 1.0, 1e6)  # `bearings`: prior of the distance at which the intruder passes
+    rest_inflation: float = number(3.0, 0.1, 100.0)  # and factor on the variance of the range beside coloured noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,17 +6,15 @@ True states enter only with information `oracle`, in the functions that say so.
 from math import sqrt
 
 from rss_gym.encounters.sampler import leg_at, planned
-from rss_gym.jit import inner, kernel
+from rss_gym.jit import inner
 from rss_gym.lanes import departure
 from rss_gym.physics.geometry import assign
 from rss_gym.records import ORACLE
 
 
-@kernel
-def sense_row(world, i, own, others):
-    """Fill `own` (one record) and `others` (K records) with what the agent of row i knows."""
-    config, e = world.config[0], world.episode[i]
-    agent, channel = world.aircraft[i, 0], world.channels[e.channel]
+@inner(forceinline=True)
+def sense_own(config, e, agent, own):
+    """Fill `own` with what the agent knows of itself: its solution and its plan."""
     assign(own.position_m, agent.solution_m)
     assign(own.velocity_mps, agent.solution_mps)
     own.std_m = agent.solution_std_m
@@ -27,31 +25,32 @@ def sense_row(world, i, own, others):
     # The agent never hovers, so its own clock is that of the flight.
     later_s = e.tick * config.tick_s + config.announce_s
     x, y, z, _, _, _ = planned(agent, leg_at(agent, agent.leg, later_s), later_s)
-    own.ahead_m[0], own.ahead_m[1], own.ahead_m[2] = (
-        x - agent.planned_m[0], y - agent.planned_m[1], z - agent.planned_m[2],
-    )  # fmt: skip
+    ahead, now = own.ahead_m, agent.planned_m
+    ahead[0], ahead[1], ahead[2] = x - now[0], y - now[1], z - now[2]
     if config.information == ORACLE:
         reveal_own(own, agent)
-    for k in range(len(others)):
-        other = others[k]
-        other.present = k < e.intruders
-        if not other.present:
-            continue
-        contact, link = world.contacts[i, k], world.links[i, k]
-        other.range_m, other.range_std_m = link.range_m, sqrt(link.p_dd)
-        other.coloured_db, other.path_loss_factor = link.coloured_hat_db, channel.path_loss_factor
-        other.white_std_db, other.coloured_std_db = channel.white_std_db, channel.coloured_std_db
-        other.coloured_tc_s = channel.coloured_tc_s
-        other.range_rate_mps = link.rate_mps
-        other.radius_m, other.warning = contact.radius_m, contact.warning
-        other.streak = min(contact.streak / config.trials, 1.0)
-        other.valid, other.age_s = contact.valid, contact.age_s
-        assign(other.position_m, contact.position_m)
-        assign(other.velocity_mps, contact.velocity_mps)
-        assign(other.way_point_m, contact.way_point_m)
-        other.std_m = contact.std_m
-        if config.information == ORACLE:
-            reveal(config, own, other, world.aircraft[i, 1 + k], link, e.tick * config.tick_s)
+
+
+@inner(forceinline=True)
+def sense_other(config, e, channel, contact, link, craft, own, other):
+    """Fill `other` with what the agent knows of an intruder: the filter, the radio, the zone and the message held.
+
+    `craft`, the intruder's aircraft, is read on information `oracle` only.
+    """
+    other.present = True
+    other.range_m, other.range_std_m = link.range_m, sqrt(link.p_dd)
+    other.coloured_db, other.path_loss_factor = link.coloured_hat_db, channel.path_loss_factor
+    other.white_std_db, other.coloured_std_db = channel.white_std_db, channel.coloured_std_db
+    other.coloured_tc_s = channel.coloured_tc_s
+    other.range_rate_mps = link.rate_mps
+    other.radius_m, other.warning = contact.radius_m, contact.warning
+    other.streak = min(contact.streak / config.trials, 1.0)
+    other.valid, other.age_s, other.std_m = contact.valid, contact.age_s, contact.std_m
+    assign(other.position_m, contact.position_m)
+    assign(other.velocity_mps, contact.velocity_mps)
+    assign(other.way_point_m, contact.way_point_m)
+    if config.information == ORACLE:
+        reveal(config, own, other, craft, link, e.tick * config.tick_s)
 
 
 @inner(forceinline=True)

@@ -24,7 +24,7 @@ from rss_gym.physics.geometry import assign, zero
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.random import episode_key, fill_normals, normal, uniform
 from rss_gym.records import DEAD_RECKONING, GNSS, ORACLE, RANGES, RSS
-from rss_gym.sensing import reveal_track, sense_row
+from rss_gym.sensing import reveal_track, sense_other, sense_own
 from rss_gym.streams import MAX_INTRUDERS, NODES, STREAM_EPISODE, STREAM_START_AIRCRAFT, STREAM_START_LINK
 from rss_gym.tracking.advance import advance
 
@@ -139,14 +139,22 @@ def observe(world, seen, observations):
     block, config = world.block[0], world.config[0]
     for r in range(block.rows):
         i = block.row[r]
-        own, others, tracks, e = seen.own[i], seen.others[i], world.tracks[i], world.episode[i]
-        sense_row(world, i, own, others)
-        for k in range(e.intruders):
+        own, e = seen.own[i], world.episode[i]
+        sense_own(config, e, world.aircraft[i, 0], own)
+        for k in range(config.intruders):
+            other, track = seen.others[i, k], world.tracks[i, k]
+            if k >= e.intruders:
+                other.present = False
+                continue
+            sense_other(
+                config, e, world.channels[e.channel], world.contacts[i, k], world.links[i, k],
+                world.aircraft[i, 1 + k], own, other,
+            )  # fmt: skip
             if config.information == ORACLE:
-                reveal_track(own, others[k], tracks[k])
+                reveal_track(own, other, track)
             else:
-                advance(config.tracker, own, others[k], world.memories[i, k], tracks[k], world.model[0])
-        write(own, others, tracks, config.planar, config.information != RANGES, seen.raw)
+                advance(config.tracker, own, other, world.memories[i, k], track, world.model[0])
+        write(own, seen.others[i], world.tracks[i], config.planar, config.information != RANGES, seen.raw)
         transform(seen.raw, seen.table, observations[i])
 
 

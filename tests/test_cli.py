@@ -63,12 +63,20 @@ def test_all_on_several_levels_of_information(capsys, tmp_path):
     assert "orca" in flown and "modified-orthogonal" in flown
 
 
-def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(capsys, tmp_path, monkeypatch):
+def test_what_cannot_fly_on_a_later_level_is_refused_before_the_first_is_flown(capsys, tmp_path, monkeypatch):
     module = importlib.import_module("rss_gym.eval.evaluate")  # its name in the package is the function's
     monkeypatch.setattr(module, "fly_blocks", lambda *_: pytest.fail("flown"))
-    arguments = ["--policy", "cbf+none", "--information", "positions", "ranges", "--out", str(tmp_path / "run")]
+    arguments = [
+        "--policy",
+        "modified-orthogonal",
+        "--information",
+        "ranges",
+        "positions",
+        "--out",
+        str(tmp_path / "run"),
+    ]
     status, out, err = run(capsys, "eval", *arguments)
-    assert status == 2 and not out and "cannot fly on track 'range'" in err and not list(tmp_path.iterdir())
+    assert status == 2 and not out and "cannot fly on information 'positions'" in err and not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
@@ -85,7 +93,7 @@ def test_what_cannot_fly_on_a_later_track_is_refused_before_the_first_is_flown(c
         (["--policy", "none", "--tracker", "bearing"], ["'bearing'", "did you mean 'bearings'"]),
         (["--policy", "none", "--tracker", "bearings"], ["tracker 'bearings'", "information"]),
         (["--policy", "none", "--families", "crosing"], ["'crosing'", "did you mean 'crossing'"]),
-        (["--policy", "modified-orthogonal"], ["modified-orthogonal", "track 'range'"]),
+        (["--policy", "modified-orthogonal"], ["modified-orthogonal", "'ranges'"]),
         (["--policy", "json:loads"], ["json:loads"]),
         (["--policy", "no_such_module:thing"], ["no_such_module:thing"]),
         (["--policy", "none", "none"], ["'none'", "twice"]),

@@ -11,7 +11,7 @@ from rss_gym.observation import fields, split, transform, transforms, write
 from rss_gym.params import Params
 from rss_gym.sensed import OTHER, OWN
 from rss_gym.tracking import TRACK
-from rss_gym.tracking.approach import SLOW_MPS, TIME_MAX_S, closest
+from rss_gym.tracking.approach import STILL, TIME_MAX_S, closest
 
 RADIO = ("range_m", "range_std_m", "range_rate_mps", "coloured_db", "path_loss_factor", "white_std_db")
 RADIO += ("coloured_std_db", "coloured_tc_s", "streak")
@@ -24,7 +24,7 @@ def axes_of(along):
 
 def approach(way, r, v):
     """Time, miss vector and distance of the closest approach of straight relative flight within 60 s."""
-    t = np.clip(-(r @ v) / (v @ v), 0.0, TIME_MAX_S) if np.linalg.norm(v) > SLOW_MPS else 0.0
+    t = np.clip(-(r @ v) / (v @ v), 0.0, TIME_MAX_S) if v @ v > STILL else 0.0
     miss = r + v * t
     return {f"{way}_time_s": t, f"{way}_distance_m": np.linalg.norm(miss)}, {f"{way}_miss_{{}}_m": miss}
 
@@ -206,4 +206,4 @@ def test_ahead_is_the_own_plan(information):
         ahead, along = turns[n]
         np.testing.assert_allclose(ahead, places[n + 8] - places[n], atol=1e-8)
         bent += int((np.abs(ahead[:, 0] * along[:, 1] - ahead[:, 1] * along[:, 0]) > 0.5).sum())
-    assert bent > 100
+    assert bent > 50

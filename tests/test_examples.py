@@ -50,7 +50,7 @@ def test_the_single_file_learns():
     torch.manual_seed(0)
     torch.set_num_threads(1)
     rows, length = parts["ROWS"], parts["LENGTH"]
-    actor = parts["Actor"](None, 3, 2)  # its world counts in `predict` only
+    actor = parts["Actor"](3, 2)
     optimiser = torch.optim.Adam(actor.parameters(), lr=3e-3)
     observations, wanted = torch.randn(length, rows, 3), torch.tensor([0.5, -0.3])
     for _ in range(3):

@@ -13,10 +13,11 @@ from rss_gym.jit import inner
 from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.geometry import least_square_separation, turned
 from rss_gym.physics.random import uniform
-from rss_gym.streams import STREAM_SAMPLER
+from rss_gym.streams import MAX_INTRUDERS, STREAM_SAMPLER
 
 ATTEMPTS = 20000
 FAMILY_ATTEMPTS = 1000  # then the family is drawn again: the agent's path, once laid, may leave no room for it
+RESTARTS = 16  # of an encounter whose first intruders leave no room for a later one
 DRAWS = 16  # uniforms reserved for one attempt of one intruder
 BEYOND_S = 60.0  # how long the last leg of a path goes on after the closest approach; beyond its end flight goes on
 STAGGER_S = 6.0  # merging intruders arrive so long after one another
@@ -201,9 +202,10 @@ def draw(key, config, families, aircraft, intruders, tail_s):
     first_approach_s = 0.0
     end_s = 0.0
     own_speed = config.cruise_min_mps  # drawn with the first intruder, kept for the others
-    for k in range(intruders):
+    k = restart = 0
+    while k < intruders:
         intruder = aircraft[1 + k]
-        index = k * ATTEMPTS * DRAWS
+        index = (restart * MAX_INTRUDERS + k) * ATTEMPTS * DRAWS
         law_index, law, conflict = 0, families[0], False
         accepted = False
         for attempt in range(ATTEMPTS):
@@ -265,13 +267,12 @@ def draw(key, config, families, aircraft, intruders, tail_s):
             iz = oz + vertical
             own_end_s = approach_s + tail_s
             if k == 0:
-                own_bend_s = between(uniform(key, STREAM_SAMPLER, at + 11), law.own_bend_min_s, law.own_bend_max_s)
+                own_bend_s = between(
+                    uniform(key, STREAM_SAMPLER, at + 11), law.own_bend_min_s, min(law.own_bend_max_s, 0.6 * approach_s)
+                )
                 own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
                 wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
-                lay_path(
-                    agent, ox, oy, oz, ovx, ovy, approach_s,
-                    own_turn != 0.0, min(own_bend_s, 0.6 * approach_s), wx, wy,
-                )  # fmt: skip
+                lay_path(agent, ox, oy, oz, ovx, ovy, approach_s, own_turn != 0.0, own_bend_s, wx, wy)
             ivx, ivy = speed * dx, speed * dy
             if law.merging:  # the way point is the closest approach
                 wx, wy, bend_s = ivx, ivy, 0.0
@@ -292,6 +293,10 @@ def draw(key, config, families, aircraft, intruders, tail_s):
                 family_index, first_approach_s = law_index, approach_s
             end_s = max(end_s, own_end_s)
             break
+        k += 1
         if not accepted:
-            return -1, 0.0, 0.0
+            restart += 1
+            if k == 1 or restart > RESTARTS:
+                return -1, 0.0, 0.0
+            k, end_s = 0, 0.0
     return family_index, first_approach_s, end_s

@@ -9,7 +9,7 @@ A new message measures u_j + age v_j - u_i = p + e. The range measures |p|. Its 
 multiplied by how often the same error comes back, 1 + 2 k T_d / T, and a bearing that is hardly known makes it a poor
 measure of the way along the bearing: given the range, the bearing is von Mises distributed about that of p with
 concentration 1 / q, q = P_across / (d |p|), so the way along has the mean d exp(-q / 2) and the variance
-d^2 (1 - exp(-q))^2 / 2.
+d^2 (1 - exp(-q))^2 / 2. The update of the state takes the variance alone, what is published takes both.
 
 What is published is the state given the range of now once more, with its variance as it is; the state does not keep it.
 
@@ -122,7 +122,7 @@ def predict(m, dx, dy, period_s, a_b, a_e, noise_p, noise_b, noise_e):
 
 @kernel(forceinline=True)
 def correct(m, g0, g1, g2, g3, g4, g5, innovation, variance):
-    """X + g nu / s and P - g g^T / s, with g = P h and s = h^T P h + r."""
+    """Add g nu / s to the state and take g g^T / s from P, with g = P h and s = h^T P h + r."""
     g, w = (g0, g1, g2, g3, g4, g5), 1.0 / variance
     for i in range(SIZE):
         m[STATE + i] += g[i] * w * innovation
@@ -148,9 +148,9 @@ def hear(m, axis, z, r):
 def bearing_of(x, y):
     """Distance, not below its floor, and unit vector."""
     d = sqrt(x * x + y * y)
-    if d < NEAREST_M:
+    if d == 0.0:
         return NEAREST_M, 1.0, 0.0
-    return d, x / d, y / d
+    return max(d, NEAREST_M), x / d, y / d
 
 
 @kernel(forceinline=True)
@@ -166,7 +166,7 @@ def measure(m, range_m, variance_m2, repeat):
     """The range as a measure of the way along the bearing, its variance `repeat` times what it is."""
     d, nx, ny = bearing_of(m[STATE + PX], m[STATE + PY])
     xx, xy, yy = m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)]
-    z, bent, _ = along(range_m, d, xx * ny * ny - 2.0 * xy * nx * ny + yy * nx * nx)
+    _, bent, _ = along(range_m, d, xx * ny * ny - 2.0 * xy * nx * ny + yy * nx * nx)
     variance = xx * nx * nx + 2.0 * xy * nx * ny + yy * ny * ny + repeat * (variance_m2 + bent)
     correct(
         m,

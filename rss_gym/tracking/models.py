@@ -1,6 +1,6 @@
 """What a tracker knows of the world beside what it senses: one record made of the parameters."""
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -9,17 +9,6 @@ from rss_gym.physics.elementary import log
 from rss_gym.physics.noise import decay
 
 f8, b1 = np.float64, np.bool_
-
-# Recommended fields of `params.tracking`; taken from there where it has them.
-DEFAULTS: Final = {
-    "unheard_mps": 1.0,  # error of an intruder's velocity that is no longer told
-    "unheard_tc_s": 5.0,  # how long that error lasts
-    "message_share": 30.0,  # k of Var = std^2 (1 + k (std / distance)^2) of a fix by radio
-    "range_share": 8.0,  # the same of a range
-    "range_repeat": 2.0,  # how often the same error of the range comes back, in its correlation times
-    "miss_std_m": 42.0,
-    "rest_inflation": 3.0,
-}
 
 MODEL = np.dtype(
     [
@@ -55,15 +44,11 @@ MODEL = np.dtype(
 )
 
 NODE_SHARE: Final = 0.7  # of the square's side: from inside it to its corners
-MANOEUVRE_MPS: Final = 0.2  # error of a relative velocity that is read twice a second in gusts and turns, per axis
+MANOEUVRE_MPS: Final = 0.35  # error of a relative velocity that is read twice a second in gusts and turns, per axis
 FOREVER_S: Final = 1e6
 FLOOR_M: Final = 1.0  # nearer, the slope of the path loss would say more about the bearing than the motion can
 CLOSING_STD_MPS: Final = 0.5  # the message may already tell the first half second of braking
 DRIFT_S: Final = 40.0  # a velocity's error persists: over this time it drifts as far as the random walk for it
-
-
-def _value(params: Params, name: str) -> Any:
-    return getattr(getattr(params, "tracking", None), name, DEFAULTS[name])
 
 
 def model(params: Params) -> np.ndarray:
@@ -83,10 +68,10 @@ def model(params: Params) -> np.ndarray:
     out["own_vertical_m2"], out["other_vertical_m2"] = vertical[nav.agent], vertical[nav.intruder]
     out["node_m"] = NODE_SHARE * nav.node_square_m
     out["node_log"] = log(NODE_SHARE * nav.node_square_m)
-    unheard = _value(params, "unheard_mps")
-    out["unheard_mps"], out["unheard_m2ps"] = unheard, 2.0 * unheard**2 * _value(params, "unheard_tc_s")
+    unheard = params.tracking.unheard_mps
+    out["unheard_mps"], out["unheard_m2ps"] = unheard, 2.0 * unheard**2 * params.tracking.unheard_tc_s
     for name in ("message_share", "range_share", "range_repeat", "rest_inflation", "miss_std_m"):
-        out[name] = _value(params, name)
+        out[name] = getattr(params.tracking, name)
     out["process_noise_m2"] = params.ranging.process_noise_m2
     out["wander"] = np.sqrt(np.mean([channel.path_loss_wander**2 for channel in params.channels]))
     out["wander_tc_s"] = max(channel.path_loss_wander_tc_s for channel in params.channels)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rss_gym.core import NotFiniteError
 from rss_gym.params import Params
 
 MARKS = "FLYERS_MARKS"  # environment variable: a folder where each process that flies leaves a file with its number
@@ -54,6 +55,13 @@ class Raiser(Flyer):
         if state[0, 0] == 3.0:
             raise RuntimeError("lost\nthe way")
         return actions
+
+
+class Breaker(Flyer):
+    """Stands in for a world whose state is not finite, which a worker cannot be given."""
+
+    def spoilt(self, actions, observation, state):
+        raise NotFiniteError("suite", 0, 7)
 
 
 class Shape(Flyer):

@@ -7,7 +7,7 @@ import pytest
 from safetensors.numpy import save_file
 
 from rss_gym import baselines
-from rss_gym.baselines.policy_files import Network
+from rss_gym.baselines.policy_files import FORMAT, Network
 from rss_gym.eval.policies import entry
 from rss_gym.observation import fields
 from rss_gym.params import Params
@@ -22,9 +22,9 @@ def write(folder, value):
     tensors = {name: np.full(shape, value, np.float32) for name, shape in network.shapes(world).items()}
     save_file(tensors, folder / "policy.safetensors")
     document = {
-        "format": 1,
+        "format": FORMAT,
         "network": {**network.__dict__, "layers": []},
-        "interface": world.interface.to_dict(),
+        "interface": {"information": world.interface.information},
         "observation": names,
         "training": {},
     }

@@ -334,7 +334,7 @@ def test_curves_join_settings_of_one_rule():
         "orthogonal:radius_m=40,lookahead_s=5",
         "orthogonal:radius_m=20, lookahead_s=5",
         "orthogonal:radius_m=40,lookahead_s=2",
-        "orthogonal",  # radius 60
+        "orthogonal:radius_m=60",
         "orthogonal@oracle:radius_m=20",
         "module:attribute",
         None,
@@ -383,6 +383,13 @@ def test_axes_hold_points_and_bounds():
     assert charts.height(points[1].up) == 3.7e-3
     assert x(0.0) < x(7.5) < x(8.5) < size.width - size.right
     assert x(4.0) - x(0.0) == pytest.approx(x(8.0) - x(4.0))
+
+
+def test_the_front_is_ringed_and_the_best_corner_named(result, markup):
+    wide = markup.split('<div class="figure')[1]
+    fronts = sum(place.front for _, place in tables.ordered(result))
+    assert wide.count('class="front"') == fronts > 0
+    assert "best is lower left" in wide
 
 
 def test_no_event_is_an_arrow_from_the_upper_bound(result):

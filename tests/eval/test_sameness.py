@@ -86,7 +86,7 @@ def test_any_selection_of_episodes_gives_the_same_rows(alone, numbers):
 
 def test_actions_that_are_not_finite_are_faults_of_their_episode(alone):
     faults = np.flatnonzero(alone.policies[4].table["fault"])
-    assert 0 < len(faults) < 10
+    assert 0 < len(faults) < 20
     assert alone["flyers:NanOnce"]["faults"].value == len(faults)
     # The other encounters are flown as if nothing had been.
     well = ~alone.policies[4].table["fault"]

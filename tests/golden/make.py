@@ -15,20 +15,22 @@ import numpy as np
 FILE = Path(__file__).with_name("episodes.json")
 EPISODES = 3
 PLANE, SPACE, RANGE_ONLY = "rss_gym/Encounter-v0", "rss_gym/Encounter3D-v0", "rss_gym/EncounterRangeOnly-v0"
-ESTIMATORS = ("ekf-coloured", "ekf-white", "ls")
+ESTIMATORS = ("ekf-coloured", "ekf-white", "ekf-white-r", "ls")
 CASES = {
     **{f"{name[8:]} {kind}": (name, {"estimator": kind}) for name in (PLANE, SPACE, RANGE_ONLY) for kind in ESTIMATORS},
-    "oracle": (PLANE, {"track": "oracle"}),
+    "oracle": (PLANE, {"information": "oracle"}),
+    "latest": (SPACE, {"tracker": "latest"}),
     "two intruders": (PLANE, {"intruders": 2}),
     "one to eight intruders": (SPACE, {"intruders": 8, "intruders_min": 1}),
-    "own position by radio": (SPACE, {"agent": "rss"}),
+    "gnss": (SPACE, {"agent": "gnss", "intruder": "gnss"}),
     "dead reckoning": (SPACE, {"agent": "dead-reckoning", "intruder": "dead-reckoning"}),
-    "velocity": (SPACE, {"action": "velocity"}),
+    "late and lost messages": (PLANE, {"message_latency_s": 0.6, "message_loss": 0.3, "announce_s": 8.0}),
+    "shaped": (PLANE, {"shaping_m": 50.0, "proximity_price_m": 5.0}),
     "discrete": (SPACE, {"action": "discrete"}),
     "adaptive zone": (PLANE, {"zone": "adaptive"}),
-    "channels": (PLANE, {"channel": ["quadcopter", "wifi-walk", "ble-indoor", "clean"]}),
+    "channels": (PLANE, {"channel": ["radios", "clean"]}),
     "poor radio": (PLANE, {"channel": {"packet_loss": 0.3, "quantisation_db": 1.0, "sensitivity_dbm": -95.0}}),
-    "fine clock": (PLANE, {"tick_s": 0.05, "decision_s": 0.2, "tail_s": 5.0}),
+    "fine clock": (PLANE, {"tick_s": 0.05, "decision_s": 0.2, "tail_min_s": 5.0, "tail_max_s": 5.0}),
     **{name: (PLANE, {"families": name}) for name in ("late-turn", "accelerating", "deceitful")},
     **{name: (PLANE, {"families": name}) for name in ("path-loss-jump", "outage")},
     "merging": (PLANE, {"families": "merging", "intruders": 8, "intruders_min": 2}),

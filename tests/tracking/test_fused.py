@@ -117,7 +117,7 @@ def turned(records, c, s, names):
 @given(st.floats(-3.14, 3.14), st.integers(0, 2**32 - 1))
 @settings(max_examples=15)
 def test_rotation_of_the_world_rotates_the_track(angle, seed):
-    truth, own, other = sensing.flights(np.random.default_rng(seed), 1, 60, 6.0, 4.0)
+    _, own, other = sensing.flights(np.random.default_rng(seed), 1, 60, 6.0, 4.0)
     c, s = np.cos(angle), np.sin(angle)
     one = sensing.fly(fused, "fused", own, other, sensing.world())
     two = sensing.fly(

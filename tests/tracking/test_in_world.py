@@ -1,4 +1,4 @@
-"""Trackers on what the simulator senses: consistent on a quick, a medium and a slow radio, while the agent does nothing."""
+"""Trackers on what the simulator senses: consistent on a quick, a medium and a slow radio."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def sensed(batch):
 
 
 def flown(params, modules):
-    """True relative positions, and of every tracker its tracks, of all decisions under way; shapes (decisions, rows)."""
+    """True relative positions, and of every tracker its tracks, of all decisions under way."""
     batch, constants = Batch(params, ROWS), model(params)[0]
     batch.seed(np.arange(ROWS, dtype=np.uint64) + np.uint64(8_000_000))
     batch.reset(np.ones(ROWS, bool))

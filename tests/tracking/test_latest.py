@@ -23,7 +23,7 @@ def test_latest_is_its_formula():
     latest.advance(own, other, memory, track, constants)
     np.testing.assert_allclose(track["position_m"], [60.0 - 4.0 - 5.0, 20.0 + 3.0 + 2.0, 30.0 - 1.0 - 20.0])
     np.testing.assert_allclose(track["velocity_mps"], [-5.0, 0.5, -1.0])
-    flown = 4.0 * (0.2**2 + 0.2**2 + 0.2**2 + 1.0**2)
+    flown = 4.0 * (0.2**2 + 0.2**2 + 0.35**2 + 1.0**2)
     assert track["xx"] == track["yy"] == pytest.approx(6.0**2 + 7.0**2 + flown)
     assert track["xy"] == 0.0
     assert track["zz"] == pytest.approx(2.0 * (1.0**2 + 3.0**2) + flown)
