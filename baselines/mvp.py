@@ -45,7 +45,8 @@ class Mvp(VelocityRule):
     place of BlueSky's separate test for resuming navigation; the change is made to the planned velocity.
 
     The sign of a small offset changes with every track, and a velocity chosen anew each time then goes to neither side:
-    KEEP_SIDE_FIGURES ORCA and the barrier filter, which start from the velocity flown, need no such memory.
+    of 4,000 encounters (`validation`, seed 0, 20 m) 2 end in a collision with the side kept and 14 without. ORCA and
+    the barrier filter, which start from the velocity flown, need no such memory.
 
     Parameters
     ----------
