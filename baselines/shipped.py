@@ -1,6 +1,6 @@
 """The learned policies that come with the package: a folder each in `agents/`, whose name is the policy's.
 
-`docs/agents.py` makes these folders from trainings; those of drivers are in `road/agents/`.
+`rss_gym.train.ship` makes these folders from trainings; those of drivers are in `road/agents/`.
 """
 
 from __future__ import annotations

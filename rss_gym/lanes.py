@@ -39,6 +39,7 @@ def load(world, r):
     load_channel(block, r, world.channels[e.channel])
     for a in range(1 + e.intruders):
         load_aircraft(world.aircraft_lanes[a], r, world.aircraft[i, a])
+        world.aircraft_lanes[a].clock_s[r] = now_s - world.aircraft[i, a].held_s
     for k in range(e.intruders):
         load_message(world.contact_lanes[k], r, world.contacts[i, k], config.information != RANGES)
     for n in range(len(world.used)):

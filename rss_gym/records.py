@@ -257,8 +257,8 @@ FAMILY = np.dtype(
 
 _CONFIG_FLOATS = (
     "tick_s decision_s tail_min_s tail_max_s speed_max_mps vertical_speed_max_mps acceleration_max_mps2 gust_mps "
-    "gust_decay gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps start_min_m "
-    "start_max_m time_to_approach_max_s horizontal_offset_m vertical_offset_m conflict_offset_m altitude_m "
+    "gust_decay gust_drive_mps position_gain_ps2 velocity_gain_ps cruise_min_mps cruise_max_mps closing_min_mps "
+    "start_min_m start_max_m time_to_approach_max_s horizontal_offset_m vertical_offset_m conflict_offset_m altitude_m "
     "altitude_band_m process_noise_m2 process_noise_psi_m2 bearing_inflation prior_range_m prior_std_m "
     "node_prior_range_m node_prior_std_m range_floor_m "
     "rate_gain gnss_m gnss_vertical_m gnss_decay gnss_drive barometer_m barometer_decay barometer_drive "
@@ -428,7 +428,7 @@ def channels(params: Params) -> np.ndarray:
     out = np.zeros(len(params.channels), CHANNEL)
     for record, channel in zip(out, params.channels, strict=True):
         for name in channel.__slots__:
-            if name in CHANNEL.names:
+            if name in (CHANNEL.names or ()):
                 record[name] = getattr(channel, name)
         record["white_std_db"] = np.sqrt(channel.white_variance_db2)
         # The rounding error of a quantiser is uniform: variance step^2 / 12. A floor keeps the filter's R positive.

@@ -69,7 +69,7 @@ def tiny_run(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def tiny_agent(tiny_run, tmp_path_factory):
-    """The policy folder that docs/agents.py makes of it."""
-    import agents
+    """The policy folder that `rss_gym.train.ship` makes of it."""
+    from rss_gym.train.ship import ship
 
-    return agents.ship(tiny_run, "tiny", "- It has hardly been trained.", tmp_path_factory.mktemp("agents"))
+    return ship(tiny_run, "tiny", "- It has hardly been trained.", tmp_path_factory.mktemp("agents"))

@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).resolve().parent.parent / "examples"
-SMALL = ["policy.net_arch=[8]", "imitation.episodes=64", "imitation.epochs=1", "vec.n_envs=64"]
-SMALL += ["algorithm.batch_size=32", "algorithm.window=20", "validation.episodes=40"]
+SMALL = ["policy.net_arch=[8]", "vec.n_envs=64", "algorithm.batch_size=256", "validation.episodes=40"]
 # File -> arguments, packages that it needs, words of its last lines
 EXAMPLES = {
     "step.py": (["--rows", "32", "--steps", "250"], [], ["32 rows of 250 decisions", "with a collision"]),
     "train_in_minutes.py": (
         ["--steps", "4096", "--episodes", "30", "--out", "run", "--set", *SMALL],
         ["stable_baselines3"],
-        ["agent ", "orthogonal ", "cbf ", "30 encounters"],
+        ["agent ", "orthogonal ", "orca ", "30 encounters"],
     ),
+    "sb3_ppo.py": (["8192", "20"], ["stable_baselines3"], ["ppo ", "rule ", "orca ", "20 encounters"]),
     "score_own_policy.py": (["--episodes", "50"], [], ["pass-behind ", "orthogonal ", "50 encounters"]),
     "ppo_single_file.py": (
         ["--steps", "32768", "--episodes", "30"],

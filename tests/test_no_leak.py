@@ -12,7 +12,7 @@ from rss_gym.core import Batch
 from rss_gym.observation import fields, split, transform, transforms, write
 from rss_gym.params import Params
 from rss_gym.sensed import OTHER, OWN
-from rss_gym.sensing import reveal_track, sense_row
+from rss_gym.sensing import reveal_track, sense_other, sense_own
 from rss_gym.tracking import TRACKERS
 from rss_gym.tracking.advance import advance
 
@@ -64,8 +64,22 @@ def scramble_truth(world, generator):
 
 
 @numba.njit
+def sense_row(world, i, own, others):
+    """What the world senses of row i; such functions have no entry from Python."""
+    config, e = world.config[0], world.episode[i]
+    sense_own(config, e, world.aircraft[i, 0], own)
+    for k in range(len(others)):
+        others[k].present = k < e.intruders
+        if others[k].present:
+            sense_other(
+                config, e, world.channels[e.channel], world.contacts[i, k], world.links[i, k],
+                world.aircraft[i, 1 + k], own, others[k],
+            )  # fmt: skip
+
+
+@numba.njit
 def track_row(tracker, own, others, memories, tracks, model):
-    """The world's tracker, or the truth with a tracker below 0; such functions have no entry from Python."""
+    """The world's tracker, or the truth with a tracker below 0."""
     for k in range(len(others)):
         if tracker < 0:
             reveal_track(own, others[k], tracks[k])

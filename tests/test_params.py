@@ -102,7 +102,8 @@ def test_every_number_has_its_unit_or_none():
         "regulator_position_weight", "regulator_velocity_weight", "regulator_effort_weight", "intruders",
         "intruders_min", "start_range_min", "start_range_max", "path_loss_factor", "path_loss_wander", "packet_loss",
         "bearing_inflation", "range_error_probability", "collision_probability", "warning_close_ratio", "message_loss",
-        "deviation_price", "shaping_discount",
+        "deviation_price", "shaping_discount", "message_share", "range_share", "range_repeat",
+        "rest_inflation",
     }  # fmt: skip
     assert {f.name for _, f in NUMBERS if not f.name.endswith(units)} == bare
 

@@ -166,12 +166,15 @@ def miss(config, law, conflict, u, v):
 
 
 @inner
-def within_limits(config, agent, intruder, miss_squared_m2, end_s):
-    """Whether two trajectories start at the right range and are never nearer than the planned miss."""
+def within_limits(config, agent, intruder, miss_squared_m2, end_s, is_late):
+    """Whether two trajectories start at the right range and are never nearer than the planned miss.
+
+    An intruder that `is_late`, as it merges behind others, may start from farther away.
+    """
     start_m = start_separation_m(agent, intruder)
     # An offset lengthens the start range by the miss distance; the limits are on the range along the approach.
     high_m = sqrt(config.start_max_m * config.start_max_m + miss_squared_m2)
-    if start_m < config.start_min_m - 1e-6 or start_m > high_m + 1e-6:
+    if start_m < config.start_min_m - 1e-6 or (start_m > high_m + 1e-6 and not is_late):
         return False
     return least_planned_separation_m(agent, intruder, end_s) >= sqrt(miss_squared_m2) - 0.1
 
@@ -260,7 +263,8 @@ def draw(key, config, families, aircraft, intruders, tail_s):
             if closing < config.closing_min_mps:
                 continue
             approach_s = start_m / closing if k == 0 else own_s
-            if approach_s > config.time_to_approach_max_s and not (law.merging and k > 0):
+            is_late = law.merging and k > 0
+            if approach_s > config.time_to_approach_max_s and not is_late:
                 continue
             # Miss perpendicular to the relative velocity, so that this is the closest approach.
             ix, iy = ox - horizontal * ry / closing, oy + horizontal * rx / closing
@@ -284,7 +288,8 @@ def draw(key, config, families, aircraft, intruders, tail_s):
                 intruder, ix, iy, iz, ivx, ivy, approach_s,
                 law.bends, min(bend_s, 0.6 * approach_s), wx, wy,
             )  # fmt: skip
-            if not within_limits(config, agent, intruder, horizontal * horizontal + vertical * vertical, own_end_s):
+            miss_squared_m2 = horizontal * horizontal + vertical * vertical
+            if not within_limits(config, agent, intruder, miss_squared_m2, own_end_s, is_late):
                 continue
             if law.merging and not all_apart(aircraft, k, own_end_s):
                 continue

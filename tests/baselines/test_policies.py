@@ -172,7 +172,7 @@ def test_who_stops_stands_still_and_who_runs_back_goes_back():
     np.testing.assert_allclose(velocity[:, 0], cruise - 5.0, atol=0.05)
 
 
-@pytest.mark.parametrize("target", [(0.0, 150.0), (-110.0, 30.0)])
+@pytest.mark.parametrize("target", [(-60.0, -110.0), (-110.0, 30.0)])
 def test_far_displacements_are_reached_though_the_observation_is_clipped(target):
     offset, _, _ = displaced(f"constant:along_m={target[0]},right_m={target[1]}", 150, families="parallel-pass")
     np.testing.assert_allclose(offset[:, :2], np.tile(target, (len(offset), 1)), atol=1.0)

@@ -1,17 +1,16 @@
-"""The script that ships agents: the folder holds the run's best policy, and a card that tells where it is from."""
+"""Shipping agents: the folder holds the run's best policy, and a card that tells where it is from."""
 
 import csv
 import json
 import shutil
 from xml.etree import ElementTree
 
-import agents
 import pytest
 
 from rss_gym.baselines import shipped
 from rss_gym.baselines.agent import load
 from rss_gym.params import Params, ParamsError
-from rss_gym.train import recipe, run
+from rss_gym.train import recipe, run, ship
 
 
 def test_the_folder_holds_the_best_policy_and_its_curves(tiny_run, tiny_agent):
@@ -38,15 +37,19 @@ def test_the_card_tells_what_the_run_knows(tiny_run, tiny_agent):
     for index, seed in enumerate(document["seeds"]):
         kept = load(tiny_run / f"seed-{index}" / "best").document["training"]["validation"]
         line = next(line for line in text.splitlines() if line.startswith(f"| {seed} | {kept['steps']:,} |"))
-        assert f"{kept['collision_rate']:.2e}" in line and f"{kept['path_deviation_mean_m']:.2f}" in line
+        assert (
+            f"{kept['cost_m']:.2f}" in line
+            and f"{kept['collision_rate']:.2e}" in line
+            and f"{kept['path_deviation_mean_m']:.2f}" in line
+        )
     assert text.rstrip().endswith("- It has hardly been trained.")
 
 
-def test_the_safest_over_more_encounters_is_shipped(tiny_run, tmp_path):
-    folder = agents.ship(tiny_run, "safest", into=tmp_path, encounters=300)
+def test_the_cheapest_over_more_encounters_is_shipped(tiny_run, tmp_path):
+    folder = ship.ship(tiny_run, "cheapest", into=tmp_path, encounters=300)
     made, document = run.read(tiny_run)
-    seeds = agents.flown_again(agents.seeds_of(tiny_run, made, document["seeds"]), made, 300)
-    marks = [(seed.again["collisions"], seed.again["path_deviation_mean_m"]) for seed in seeds]
+    seeds = ship.flown_again(ship.seeds_of(tiny_run, made, document["seeds"]), made, 300)
+    marks = [seed.again["cost_m"] for seed in seeds]
     assert marks[0] < marks[1] and all(seed.again["episodes"] == 300 for seed in seeds)
     assert load(folder).digest == seeds[0].agent.digest
     text = (folder / "card.md").read_text()
@@ -56,42 +59,35 @@ def test_the_safest_over_more_encounters_is_shipped(tiny_run, tmp_path):
 
 def test_what_the_card_says_of_other_worlds():
     world = Params.of(planar=False, intruders=3, intruders_min=1, channel=["clean", {"path_loss_factor": 2.5}])
-    text = agents.described(world)
+    text = ship.described(world)
     for part in ("in space", "1 to 3", "clean", "one of its own"):
         assert part in text
     plain, other = recipe.load("ppo"), recipe.load("ppo", {"curriculum": [{"start": 0.5, "comfort_m": 20.0}]})
-    assert agents.changed(plain) == {} and "curriculum" in str(agents.changed(other))
-    assert agents.later(other) == {"changes on the way": "from 50% of the steps on comfort_m"}
-
-
-def test_the_card_gives_the_reach_in_the_unit_of_the_action():
-    assert agents.commanded(Params.of(reach_m=30.0)) == "displacement, up to 30 m"
-    assert agents.commanded(Params.of(action="velocity", speed_max_mps=6.0)) == "velocity, up to 6 m/s"
-    space = Params.of(action="velocity", speed_max_mps=6.0, vertical_speed_max_mps=2.5, planar=False)
-    assert agents.commanded(space) == "velocity, up to 6 m/s, vertically 2.5 m/s"
+    assert ship.changed(plain) == {} and "curriculum" in str(ship.changed(other))
+    assert ship.later(other) == {"changes on the way": "from 50% of the steps on comfort_m"}
 
 
 def test_shipping_again_replaces_the_folder(tiny_run, tmp_path):
-    agents.ship(tiny_run, "twice", "- First.", tmp_path)
+    ship.ship(tiny_run, "twice", "- First.", tmp_path)
     (tmp_path / "twice" / "left.txt").write_text("over")
-    folder = agents.ship(tiny_run, "twice", "- Second.", tmp_path)
+    folder = ship.ship(tiny_run, "twice", "- Second.", tmp_path)
     assert "Second" in (folder / "card.md").read_text() and not (folder / "left.txt").exists()
     assert shipped.found(tmp_path) == {"twice": folder} and len(list(tmp_path.iterdir())) == 1
 
 
 def test_only_a_finished_run_is_shipped(tiny_run, tmp_path):
     with pytest.raises(ParamsError, match="small letters"):
-        agents.ship(tiny_run, "No Name", "", tmp_path)
+        ship.ship(tiny_run, "No Name", "", tmp_path)
     other = tmp_path / "run"
     shutil.copytree(tiny_run, other)
     document = json.loads((other / "run.json").read_text())
     document["recipe"]["recipe"]["steps"] += 1
     (other / "run.json").write_text(json.dumps(document))
     with pytest.raises(ParamsError, match="2048 of 2049 steps"):
-        agents.ship(other, "early", "", tmp_path / "agents")
+        ship.ship(other, "early", "", tmp_path / "agents")
     shutil.copyfile(tiny_run / "run.json", other / "run.json")
     shutil.copyfile(other / "agent" / "policy.json", tmp_path / "policy.json")
     (other / "agent" / "policy.json").write_text((tmp_path / "policy.json").read_text() + "\n")
     with pytest.raises(ParamsError, match="not the best policy"):
-        agents.ship(other, "foreign", "", tmp_path / "agents")
+        ship.ship(other, "foreign", "", tmp_path / "agents")
     assert not (tmp_path / "agents").exists() and run.read(other)

@@ -1,20 +1,21 @@
-"""Ships the agent of a run: python docs/agents.py card RUN --name NAME [--limits FILE] [--encounters N].
+"""Ships the agent of a run: python -m rss_gym.train.ship RUN --name NAME [--limits FILE] [--encounters N].
 
-Makes baselines/agents/NAME/ from the folder of a finished `rss-gym train`: the best seed's policy, a card, and the
-validations of all seeds as a table and a chart. Made anew, it takes the place of the older one. With `--encounters` the
-policies of all seeds are flown over so many encounters of split `validation`, and the safest of them is shipped.
+Makes baselines/agents/NAME/ from the folder of a finished `rss-gym train`: the policy of the cheapest seed, a card, and
+the validations of all seeds as a table and a chart. Made anew, it takes the place of the older one. With `--encounters`
+the policies of all seeds are flown over so many encounters of split `validation` before the cheapest is taken.
 """
+
+from __future__ import annotations
 
 import argparse
 import csv
 import io
 import json
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-
-from opponents import picture, table
 
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
@@ -22,7 +23,7 @@ from rss_gym.baselines.shipped import FOLDER
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.text import cell
 from rss_gym.files import replaced_folder, write_text
-from rss_gym.pages import figure
+from rss_gym.pages import figure, page
 from rss_gym.params import Params, ParamsError, load_channel, presets
 from rss_gym.train import recipe as recipes
 from rss_gym.train import run as runs
@@ -32,13 +33,13 @@ from rss_gym.train.validation import Validator
 
 CARD, CURVES, CHART = "card.md", "curves.csv", "curves.svg"
 NAME = re.compile("[a-z][a-z0-9-]{1,40}")
-COLUMNS = ("steps", "episodes", "collisions", "collision_rate", "collision_rate_low", "collision_rate_high")
-COLUMNS += ("path_deviation_mean_m", "best")
+COLUMNS = ("steps", "episodes", "cost_m", "cost_low_m", "cost_high_m", "collisions", "collision_rate")
+COLUMNS += ("collision_rate_low", "collision_rate_high", "snmac_rate", "path_deviation_mean_m", "best")
 
 
 @dataclass(frozen=True)
 class Seed:
-    """One training: its seed, the policy that the ranking kept, and its validations in order; `again` is one more."""
+    """One training: its seed, the policy that was kept, and its validations in order; `again` is one more."""
 
     number: int
     folder: Path
@@ -70,10 +71,11 @@ def seeds_of(run: Path, recipe: Recipe, numbers: list[int]) -> list[Seed]:
 
 
 def flown_again(seeds: list[Seed], recipe: Recipe, encounters: int) -> list[Seed]:
-    """All over the same encounters of split `validation`, the safest first: fewest collisions, then least deviation."""
+    """All over the same encounters of split `validation`, the cheapest first; one with a fault comes last."""
     validator = Validator(recipe.params, encounters)
-    flown = [replace(seed, again=validator.score(seed.agent, f"{seed.number}").to_dict()) for seed in seeds]
-    return sorted(flown, key=lambda seed: (seed.again["collisions"], seed.again["path_deviation_mean_m"]))
+    scores = [(seed, validator.score(seed.agent, f"{seed.number}").to_dict()) for seed in seeds]
+    scores.sort(key=lambda item: (item[1]["faults"], item[1]["cost_m"]))
+    return [replace(seed, again=score) for seed, score in scores]
 
 
 def card(name: str, recipe: Recipe, document: dict[str, Any], seeds: list[Seed], shipped: Seed, limits: str) -> str:
@@ -85,7 +87,6 @@ def card(name: str, recipe: Recipe, document: dict[str, Any], seeds: list[Seed],
         "world": f"`{recipe.env}`, {described(world)}",
         "other than the id's": listed({key: value for key, value in recipe.world.items() if key != "channel"}),
         **later(recipe),
-        "action": commanded(world),
         "network": ", ".join(f"{key} {json.dumps(value)}" for key, value in network.items()),
         "seeds": f"{', '.join(str(seed.number) for seed in seeds)}; shipped: {shipped.number}",
         "versions": ", ".join(f"{key} {value}" for key, value in document["versions"].items()),
@@ -93,6 +94,7 @@ def card(name: str, recipe: Recipe, document: dict[str, Any], seeds: list[Seed],
         f"SHA-256 of `{DOCUMENT}` and `{WEIGHTS}`": f"{shipped.agent.digest}",
     }
     order = sorted(seeds, key=lambda seed: seed is not shipped)
+    titles = ["seed", "decisions", "encounters", "cost, m", "collisions", "mean deviation, m"]
     return f"""# {name}
 
 Learned with {head["algorithm"]} in `{recipe.env}`: {recipe.summary}. `rss-gym eval --policy {name}` flies it.
@@ -103,50 +105,46 @@ Learned with {head["algorithm"]} in `{recipe.env}`: {recipe.summary}. `rss-gym e
 
 {chosen(shipped)}
 
-{table(["seed", "decisions", "encounters", "collisions", "mean deviation, m"], [row(seed) for seed in order])}
+{table(titles, [row(seed) for seed in order])}
 
-![Collision rate and mean deviation of all seeds over the training]({CHART})
+![Cost, collision rate and mean deviation of all seeds over the training]({CHART})
 
 A hollow point had no collision and stands at the upper end of its interval. All validations are in `{CURVES}`.
 
 ## Limits
 
 - Trained and validated in the world above only: {described(world)}.
-- It refuses worlds with another observation: planar or not, intruders and track must be as in training.
+- It refuses worlds with another observation: planar or not, intruders and information must be as in training.
 - Flown in simulation only.
 {limits.strip()}
 """
 
 
+def table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Markdown."""
+    lines = [titles, ["---"] * len(titles), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
 def chosen(shipped: Seed) -> str:
     """On what the shipped seed was chosen."""
-    if shipped.again is None:
-        return (
-            "Each seed at the validation that the ranking kept, over the same encounters of split `validation`; the "
-            "shipped one\nfirst. It was chosen on them, so they flatter it a little."
-        )
+    which, number = "at the validation that was kept, its cheapest", ""
+    if shipped.again is not None:
+        which, number = "as kept on its own validations", f"{shipped.again['episodes']:,} "
     return (
-        f"Each seed's policy, as the ranking kept it on its validations, over the same {shipped.again['episodes']:,} "
-        "encounters of split\n`validation`; the shipped one first: the fewest collisions, then the least deviation. It "
-        "was chosen on them, so they\nflatter it a little."
+        f"Each seed's policy, {which}, over the same {number}encounters of split `validation`;\nthe shipped one first: "
+        "the cheapest. It was chosen on them, so they flatter it a little."
     )
 
 
 def row(seed: Seed) -> list[str]:
     """A seed in the card's table."""
     kept = seed.kept | (seed.again or {})
+    cost = Estimate(*(kept[f"cost{end}_m"] for end in ("", "_low", "_high")), kept["episodes"], "m")
     rate = Estimate(*(kept[f"collision_rate{end}"] for end in ("", "_low", "_high")), kept["episodes"], "1")
     deviation = f"{kept['path_deviation_mean_m']:.2f}"
-    return [f"{seed.number}", f"{kept['steps']:,}", f"{kept['episodes']:,}", cell(rate, 1.0, ".2e"), deviation]
-
-
-def commanded(world: Params) -> str:
-    """What an action means, and its greatest amount."""
-    interface, limits = world.interface, world.aircraft
-    if interface.action != "velocity":
-        return f"{interface.action}, up to {interface.reach_m:g} m"
-    vertically = "" if world.encounter.planar else f", vertically {limits.vertical_speed_max_mps:g} m/s"
-    return f"velocity, up to {limits.speed_max_mps:g} m/s{vertically}"
+    numbers = [f"{seed.number}", f"{kept['steps']:,}", f"{kept['episodes']:,}"]
+    return [*numbers, cell(cost, 1.0, ".2f"), cell(rate, 1.0, ".2e"), deviation]
 
 
 def described(world: Params) -> str:
@@ -157,11 +155,12 @@ def described(world: Params) -> str:
     several = f"{encounter.intruders_min} to " if encounter.intruders_min else ""
     parts = {
         "": "planar" if encounter.planar else "in space",
-        "track ": f"`{world.interface.track}`",
+        "information ": f"`{world.interface.information}`",
         "intruders: ": f"{several}{encounter.intruders}",
         "families: ": f"{encounter.families}",
         "channels: ": ", ".join(channels),
         "estimator ": f"`{world.ranging.estimator}`",
+        "tracker ": f"`{world.tracking.tracker}`",
     }
     return "; ".join(key + value for key, value in parts.items())
 
@@ -205,32 +204,31 @@ def curves(seeds: list[Seed]) -> str:
 
 
 def chart(seeds: list[Seed], shipped: Seed) -> str:
-    """Collision rate and deviation over the decisions, a line a seed, the kept policies marked."""
-    label = "Validation of each seed over its training: collision rate and mean deviation"
-    with figure.figure(label, columns=2, width_in=9.0, height_in=3.4) as drawing:
+    """Cost, collision rate and deviation over the decisions, a line a seed, the kept policies marked; an SVG file."""
+    label = "Validation of each seed over its training: cost, collision rate and mean deviation"
+    with figure.figure(label, columns=3, width_in=10.0, height_in=3.4) as drawing:
         for index, seed in enumerate(seeds):
             steps, colour = [step / 1e6 for step in seed.points("steps")], figure.COLOURS[index % len(figure.COLOURS)]
             # Without a collision the point is the upper end of its interval.
             ends = zip(seed.points("collision_rate"), seed.points("collision_rate_high"), strict=True)
-            heights = [[rate or high for rate, high in ends], seed.points("path_deviation_mean_m")]
+            rates = [rate or high for rate, high in ends]
             kept = seed.points("steps").index(seed.kept["steps"])
             name = f"seed {seed.number}{', shipped' if seed is shipped else ''}"
+            heights = (seed.points("cost_m"), rates, seed.points("path_deviation_mean_m"))
             for axes, values in zip(drawing.axes, heights, strict=True):
                 axes.plot(steps, values, color=colour, linewidth=2.0 if seed is shipped else 1.0, label=name)
                 axes.plot(steps[kept], values[kept], "o", color=colour, markersize=5)
             clear = [at for at, rate in enumerate(seed.points("collision_rate")) if not rate]
-            drawing.axes[0].plot(
-                [steps[at] for at in clear],
-                [heights[0][at] for at in clear],
-                "o",
-                color=colour,
-                markerfacecolor="white",
-            )
-        rate, deviation = drawing.axes
+            hollow = {"color": colour, "markerfacecolor": "white"}
+            drawing.axes[1].plot([steps[at] for at in clear], [rates[at] for at in clear], "o", **hollow)
+        cost, rate, deviation = drawing.axes
+        cost.set(yscale="log", ylabel="cost, m", xlabel="decisions, millions")
         rate.set(yscale="log", ylabel="collisions per encounter", xlabel="decisions, millions")
         deviation.set(ylabel="mean deviation, m", xlabel="decisions, millions")
         rate.figure.legend(*rate.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return picture(drawing)
+    svg = re.sub(r"</?figure[^>]*>", "", drawing.markup)
+    style = (page.FOLDER / "style.css").read_text(encoding="utf-8").partition(".nominal")[0]
+    return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
 
 
 def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER, encounters: int = 0) -> Path:
@@ -256,7 +254,7 @@ def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER, encounters
     """
     figure.require_figures()
     if not NAME.fullmatch(name):
-        raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as pathwise-plane")
+        raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as ppo-plane")
     recipe, document = runs.read(run)
     seeds = seeds_of(run, recipe, document["seeds"])
     if encounters:
@@ -280,12 +278,10 @@ def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER, encounters
 def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(description="Makes the folder of a shipped agent from a finished run.")
-    commands = parser.add_subparsers(required=True)
-    command = commands.add_parser("card", help="policy, card and curves from a run")
-    command.add_argument("run", type=Path, metavar="RUN")
-    command.add_argument("--name", required=True)
-    command.add_argument("--limits", type=Path, metavar="FILE", help="Markdown for the card's limits")
-    command.add_argument("--encounters", type=int, default=0, metavar="N", help="choose the seed on so many")
+    parser.add_argument("run", type=Path, metavar="RUN")
+    parser.add_argument("--name", required=True)
+    parser.add_argument("--limits", type=Path, metavar="FILE", help="Markdown for the card's limits")
+    parser.add_argument("--encounters", type=int, default=0, metavar="N", help="choose the seed on so many")
     options = parser.parse_args()
     limits = options.limits.read_text(encoding="utf-8") if options.limits else ""
     print(ship(options.run, options.name, limits, encounters=options.encounters))
