@@ -6,34 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rss_gym.baselines.policy import Scripted, vectors
+from rss_gym.baselines.policy import Scripted
 from rss_gym.baselines.way_points import commanded, towards
-from rss_gym.observation import LIMIT, OFFSET_M
 from rss_gym.params import number
 
 
 @dataclass(frozen=True, kw_only=True)
 class Constant(Scripted):
-    """Flies to a displacement from the predefined trajectory and stays there, for the whole flight.
-
-    The observation clips a way point far from the trajectory; there, where it is comes of what was commanded.
-    """
+    """Flies to a displacement from the predefined trajectory and stays there, for the whole flight."""
 
     along_m: float = number(0.0, -1000.0, 1000.0)
     right_m: float = number(30.0, -1000.0, 1000.0)
     up_m: float = number(0.0, -1000.0, 1000.0)
 
-    columns = 3  # where the way point will be when the decision ends
-
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the displacement."""
-        here = vectors(seen, "way_point", "m")
-        here = np.where(np.abs(here) < 0.99 * OFFSET_M * LIMIT, here, memory)
-        actions = towards(np.tile([self.along_m, self.right_m, self.up_m], (len(memory), 1)), seen, self.world, here)
-        craft = self.world.aircraft
-        limits = np.array([craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps])
-        memory[:] = here + self.world.clock.decision_s * limits * actions
-        return actions
+        return towards(np.tile([self.along_m, self.right_m, self.up_m], (len(memory), 1)), seen, self.world)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +72,7 @@ class Back(Scripted):
 class Blind(Scripted):
     """One fixed manoeuvre at a fixed time: a displacement to the right, held from `at_s` for `for_s`."""
 
-    right_m: float = number(30.0, -80.0, 80.0)
+    right_m: float = number(30.0, -1000.0, 1000.0)
     at_s: float = number(10.0, 0.0, 600.0)
     for_s: float = number(30.0, 0.0, 600.0)
 

@@ -26,7 +26,7 @@ class Brake(Scripted):
 class RightTurn(Scripted):
     """Moves to the right of its trajectory while any warning is open."""
 
-    right_m: float = number(30.0, 0.0, 80.0)
+    right_m: float = number(30.0, 0.0, 1000.0)
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """To the right under a warning, else back."""

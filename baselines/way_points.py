@@ -57,9 +57,7 @@ def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: P
     return np.maximum(actions, -1.0)
 
 
-def towards(
-    target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params, way_point_m: np.ndarray | None = None
-) -> np.ndarray:
+def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params) -> np.ndarray:
     """Actions that bring the way point to a displacement within one decision, or as near as the limits allow.
 
     v = v_planned + (target - w) / T, w the way point minus the predefined trajectory, T the time of a decision.
@@ -70,16 +68,13 @@ def towards(
         Displacements from the predefined trajectory: along the leg, right, up.
     seen, world
         See `commanded`.
-    way_point_m : (n, 3) array, optional
-        w, if it is not as seen: the observation holds its components within 90 m.
 
     Returns
     -------
     (n, 3) array
         In [-1, 1].
     """
-    here = vectors(seen, "way_point", "m") if way_point_m is None else way_point_m
-    velocity = (target_m - here) / world.clock.decision_s
+    velocity = (target_m - vectors(seen, "way_point", "m")) / world.clock.decision_s
     velocity[:, 0] += seen["cruise_mps"]
     return commanded(velocity, seen, world)
 
