@@ -45,7 +45,7 @@ def table(record: Path) -> str:
         cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
         rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
     titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]
-    made = opponents.made().replace("`make table`", "`python docs/highway.py`")
+    made = opponents.made(command="python docs/highway.py")
     return f"{opponents.table(titles, rows)}\n\n{made.removesuffix('.')}, highway-env {version('highway-env')}."
 
 

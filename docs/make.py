@@ -14,7 +14,7 @@ SHOWN_SEED, SHOWN_S = 5, 37.0
 def main() -> None:
     """One frame of the rule in flight."""
     policy = baselines.make("orthogonal:radius_m=60")
-    env = gym.make("rss_gym/Encounter-v0", params=policy.world, render_mode="rgb_array")
+    env = gym.make("rss_gym/Encounter-v0", render_mode="rgb_array")
     observation, _ = env.reset(seed=SHOWN_SEED)
     state = None
     for _ in range(int(SHOWN_S / policy.world.clock.decision_s)):
