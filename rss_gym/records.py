@@ -428,7 +428,7 @@ def channels(params: Params) -> np.ndarray:
     out = np.zeros(len(params.channels), CHANNEL)
     for record, channel in zip(out, params.channels, strict=True):
         for name in channel.__slots__:
-            if name in CHANNEL.names:
+            if name in (CHANNEL.names or ()):
                 record[name] = getattr(channel, name)
         record["white_std_db"] = np.sqrt(channel.white_variance_db2)
         # The rounding error of a quantiser is uniform: variance step^2 / 12. A floor keeps the filter's R positive.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rss_gym.eval.blind import cheapest as cheapest_blind
 from rss_gym.eval.studies.section import Criterion, Scale, Section
-from rss_gym.eval.studies.world.rows import ORCA, RULE, SEED, cheapest, fly, interval, value
+from rss_gym.eval.studies.world.rows import ORCA, OTHERS, RULE, SEED, cheapest, fly, interval, value
 
 SUITES = (
     "encounter-v0", "encounter3d-v0", "range-only-v0", "gnss-v0", "radios-v0", "quadcopter-v0", "turning-v0",
@@ -19,7 +19,7 @@ def section(scale: Scale) -> Section:
     """One row a suite."""
     rows, criteria = [], []
     for suite in SUITES:
-        found = fly(ORCA + RULE + WIDE, scale, suite, EPISODES)
+        found = fly(ORCA + OTHERS + RULE + WIDE, scale, suite, EPISODES)
         best = cheapest(found)
         rule = cheapest({name: scores for name, scores in found.items() if name.startswith("orthogonal")})
         blind = cheapest_blind(suite, EPISODES, SEED)

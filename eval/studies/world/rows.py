@@ -11,6 +11,7 @@ from rss_gym.eval.studies.section import Scale
 HEADER = ("policy", "world", "cost m", "collision rate", "sNMAC rate", "mean deviation m")
 SEED = 930_000_101  # not the one that policies were tuned on
 ORCA = [f"orca:radius_m={radius}" for radius in (15, 20, 25, 30)]
+OTHERS = ["mvp", "cbf", "mpc"]
 RULE = [f"orthogonal:radius_m={radius}" for radius in (30, 40, 50, 60)]
 
 Scores = dict[str, Estimate]

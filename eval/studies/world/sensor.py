@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from rss_gym.eval.studies.section import Criterion, Scale, Section
 from rss_gym.eval.studies.world.rows import HEADER, ORCA, RULE, SEED, Scores, cheapest, danger, fly, row, value
 
 ESTIMATORS = ("ekf-coloured", "ekf-white", "ekf-white-r", "ls")
-TRACKS = {
+TRACKS: dict[str, dict[str, Any]] = {
     "fused": {},
     "fused, range withheld": {"track_range": False},
     "latest": {"tracker": "latest"},
