@@ -41,7 +41,7 @@ WARNED, QUIET, INK = (225, 40, 40), (60, 130, 230), (255, 255, 255)
 def table(record: Path) -> str:
     """The rows of a record in Markdown."""
     rows = []
-    for row in sorted(opponents.read(record).values(), key=lambda row: row.metrics["cost_m"].value):
+    for row in sorted(opponents.read([record]).values(), key=lambda row: row.metrics["cost_m"].value):
         cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
         rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
     titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]

@@ -41,13 +41,14 @@ class Row:
         return cell(self.metrics[name], 1.0, form, interval)
 
 
-def read(folder: Path) -> dict[str, Row]:
-    """The policies of a record."""
-    scores = json.loads((folder / SCORES).read_text(encoding="utf-8"))
+def read(folders: Iterable[Path]) -> dict[str, Row]:
+    """The policies of records over the same encounters."""
     rows = {}
-    for policy in scores["policies"]:
-        metrics = {name: Estimate(**value) for name, value in policy["metrics"].items()}
-        rows[policy["spec"]] = Row(policy["spec"], scores["episodes"], metrics)
+    for folder in folders:
+        scores = json.loads((folder / SCORES).read_text(encoding="utf-8"))
+        for policy in scores["policies"]:
+            metrics = {name: Estimate(**value) for name, value in policy["metrics"].items()}
+            rows[policy["spec"]] = Row(policy["spec"], scores["episodes"], metrics)
     return rows
 
 
@@ -57,14 +58,18 @@ def table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def ranked(folder: Path) -> str:
-    """The policies of a record of one level of information in order of cost, with all columns of `COLUMNS`.
+def ranked(folders: Sequence[Path]) -> str:
+    """The policies of records over the same encounters in order of cost, with all columns of `COLUMNS`.
 
     The front is marked by an asterisk; a policy with a fault has no place and stands last, in bold.
     """
-    record, rows = load(folder), read(folder)
-    prices = Prices.of(record.params)
-    places = ranking.rank(Candidate.of(policy.spec, policy.table, prices) for policy in record.policies)
+    rows = read(folders)
+    candidates: dict[str, Candidate] = {}
+    for record in map(load, folders):
+        prices = Prices.of(record.params)
+        for policy in record.policies:
+            candidates[policy.spec] = Candidate.of(policy.spec, policy.table, prices)
+    places = ranking.rank(candidates.values())
     titles = ["place", "policy", COST[0], "more than the first, m", *(title for title, _ in COLUMNS.values())]
     return table(titles, (_line(place, rows[place.name]) for place in places))
 

@@ -8,7 +8,7 @@ a policy. `--readme` flies and writes the README's table alone (some minutes).
 import argparse
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -56,6 +56,7 @@ RADII: dict[str, dict[str, tuple[float, ...]]] = {
 }
 BLIND = ("constant:right_m=30", "constant:right_m=100", "velocity", "stop", "back", "blind")
 DEAF = ("brake", "right-turn", "random")  # these know of a warning at most
+AGENTS = "-agents"  # of the name of a record that holds these
 DEFAULTS = ("orthogonal", "orca", "mvp", "cbf", "mpc")
 README = (
     "none",
@@ -118,32 +119,35 @@ def families() -> list[str]:
 def jobs(shrink: int = 1) -> list[Job]:
     """All of them, the README's first, with `shrink` times fewer encounters."""
     readme_n, n, family_n = (max(count // shrink, 2) for count in (README_EPISODES, EPISODES, FAMILY_EPISODES))
-    out = [Job("readme", SUITE, {}, (*README, *agents(SUITE)), readme_n)]
-    for level in RADII:
-        where = {"information": level}
-        flown = ("none", *rules(level), *BLIND, *DEAF, *agents(SUITE, **where))
-        out.append(Job(level, SUITE, where, flown, n))
-    out.append(Job("space", SPACE, {}, ("none", *DEFAULTS, *BLIND, "climb", *agents(SPACE)), n))
+    out = [Job("readme", SUITE, {}, README, readme_n)]
+    out += [Job(level, SUITE, {"information": level}, ("none", *rules(level), *BLIND, *DEAF), n) for level in RADII]
+    out.append(Job("space", SPACE, {}, ("none", *DEFAULTS, *BLIND, "climb"), n))
     for family in families():
         where = {"families": [family], **OF_FAMILY.get(family, {})}
-        out.append(Job(family, SUITE, where, ("none", *DEFAULTS, *agents(SUITE, **where)), family_n))
-    return out
+        out.append(Job(family, SUITE, where, ("none", *DEFAULTS), family_n))
+    # Agents apart, over the same encounters: the rules need not fly again when they are made anew.
+    found = [(job, agents(job.suite, **job.changes)) for job in out]
+    return out + [replace(job, name=f"{job.name}{AGENTS}", policies=names) for job, names in found if names]
 
 
-def readme(job: Job) -> str:
-    """The README's table from its record."""
-    return f"{opponents.ranked(job.folder)}\n\n{opponents.made(job.episodes)}"
+def folders(todo: list[Job], name: str) -> list[Path]:
+    """The records of a job and of the agents over its encounters."""
+    return [job.folder for job in todo if job.name in (name, f"{name}{AGENTS}")]
+
+
+def readme(todo: list[Job]) -> str:
+    """The README's table."""
+    return f"{opponents.ranked(folders(todo, 'readme'))}\n\n{opponents.made(todo[0].episodes)}"
 
 
 def pages(todo: list[Job]) -> tuple[str, str]:
     """From the records of the jobs: the tables of docs/opponents.md, and the chart."""
-    folders = {job.name: job.folder for job in todo}
-    text = [f"## Information `{level}`\n\n{opponents.ranked(folders[level])}" for level in RADII]
-    text.append(f"## In space, information `positions`\n\n{opponents.ranked(folders['space'])}")
-    rows = {name: opponents.read(folders[name]) for name in families()}
+    text = [f"## Information `{level}`\n\n{opponents.ranked(folders(todo, level))}" for level in RADII]
+    text.append(f"## In space, information `positions`\n\n{opponents.ranked(folders(todo, 'space'))}")
+    rows = {name: opponents.read(folders(todo, name)) for name in families()}
     text.append(f"## Cost by family, information `positions`\n\n{opponents.by_family(rows)}")
     text.append(opponents.made())
-    found = {level: opponents.read(folders[level]) for level in RADII}
+    found = {level: opponents.read(folders(todo, level)) for level in RADII}
     curves = {
         level: {
             rule: [found[level][f"{rule}:radius_m={radius:g}"] for radius in radii]
@@ -165,9 +169,9 @@ def main() -> None:
     require_figures()
     assert set(RADII) == set(get_args(Information))
     todo = jobs(options.shrink)
-    todo = todo[:1] if options.readme else todo
+    todo = [job for job in todo if job.name.startswith("readme")] if options.readme else todo
     flights.fly(todo, options.workers)
-    scores = readme(todo[0])
+    scores = readme(todo)
     tables, drawn = ("", "") if options.readme else pages(todo)
     if options.shrink > 1:
         print(f"{scores}\n\n{tables}")

@@ -28,10 +28,10 @@ def test_no_two_jobs_share_a_folder_and_the_readme_has_the_most_encounters():
 def test_a_record_becomes_a_ranked_table(tmp_path):
     policies = ("none", "orca:radius_m=20", "stop")
     records.save(evaluate(policies, episodes=40, progress=False), tmp_path / "record")
-    lines = opponents.ranked(tmp_path / "record").splitlines()
+    lines = opponents.ranked([tmp_path / "record"]).splitlines()
     assert lines[0].startswith("| place | policy | cost, m | more than the first, m | collisions |")
     assert lines[2].startswith("| 1 * | `orca:radius_m=20` |") and len(lines) == 5
-    family = opponents.by_family({"mixed": opponents.read(tmp_path / "record")})
+    family = opponents.by_family({"mixed": opponents.read([tmp_path / "record"])})
     assert "| mixed | " in family and "**" in family
 
 
