@@ -1,6 +1,6 @@
-"""Scores of the drivers on the highway in the README, and its picture: `python docs/highway.py [--record DIR]`.
+"""The table of the drivers in docs/roads.md, and its picture: `python docs/highway.py [--record DIR]`.
 
-Without `--record` it drives 1,000 episodes of each policy first, agents that are shipped too: a quarter of an hour on
+Without `--record` it drives each policy first, agents that are shipped too: 1,000 episodes take a quarter of an hour on
 two cores. `--ship RUN NAME` only puts the driver of a finished run, with its card, into baselines/road/agents/NAME/.
 """
 
@@ -97,6 +97,7 @@ def main() -> None:
         "--record", type=Path, help="a record of `rss-gym eval --suite highway-v0`, in place of driving"
     )
     parser.add_argument("--policy", nargs="+", default=list(POLICIES), help="what to drive, agents' folders too")
+    parser.add_argument("--episodes", type=int, default=1000)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--ship", nargs=2, metavar=("RUN", "NAME"), help="ship a driver and do nothing else")
     options = parser.parse_args()
@@ -105,9 +106,10 @@ def main() -> None:
         return
     picture().save(ROOT / "docs" / "highway.png", optimize=True)
     record = options.record or road.save(
-        road.evaluate(options.policy, SUITE, workers=options.workers), ROOT / "runs" / "highway-scores"
+        road.evaluate(options.policy, SUITE, options.episodes, workers=options.workers),
+        ROOT / "runs" / "highway-scores",
     )
-    opponents.put(ROOT / "README.md", "road", table(record))
+    opponents.put(ROOT / "docs" / "roads.md", "road", table(record))
 
 
 if __name__ == "__main__":

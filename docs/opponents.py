@@ -160,9 +160,9 @@ def _draw(axes: Any, rows: list[Row], colour: str, marker: str, label: str, **li
 
 def put(path: Path, name: str, text: str) -> None:
     """Replace what stands between the markers of that name of a file."""
-    marked = rf"(<!-- {name} -->\n).*?(\n<!-- /{name} -->)"
+    marked = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
     content = path.read_text(encoding="utf-8")
-    write_text(path, re.sub(marked, lambda found: found[1] + text + found[2], content, flags=re.DOTALL))
+    write_text(path, re.sub(marked, lambda found: f"{found[1]}{text}\n{found[2]}", content, flags=re.DOTALL))
 
 
 def made(episodes: int | None = None, command: str = "make table") -> str:
