@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 
 from rss_gym import baselines, observation
-from rss_gym.baselines.located import locate
 from rss_gym.core import Batch
 from rss_gym.params import Params
 
@@ -82,8 +81,8 @@ def rvo2() -> list[float]:
 def main() -> None:
     """Print the table and the ratios."""
     batches, world = observations(), Params()
-    told = np.mean([locate(observation.split(batch, world), world).known for batch in batches])
-    print(f"{ROWS} rows x {DECISIONS} observations, an intruder known in {told:.0%} of them")
+    tracked = np.mean([observation.split(batch, world)["track_valid"] for batch in batches])
+    print(f"{ROWS} rows x {DECISIONS} observations, an intruder tracked in {tracked:.0%} of them")
     print(f"{'decisions per CPU second, one core':<40} {'best':>12} {'median':>12}")
     best = {name: rule(name, batches) for name in AIMS}
     library = rvo2() if importlib.util.find_spec("pyrvo") else None
