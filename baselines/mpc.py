@@ -67,7 +67,9 @@ def _steer(
 class Mpc(Scripted):
     """Predictive regulator of (42): the cheapest of enumerated way points over a horizon, chosen anew each decision.
 
-    Told to it: what a `VelocityRule` is told, and the own deviation from the predefined trajectory.
+    Told to it: what a `VelocityRule` is told. The own deviation from the predefined trajectory is that of the commanded
+    way point, which is known exactly: with that of the navigation solution the cost was 8.6 m in place of 4.0 m (4,000
+    encounters of split `validation`, seed 0, 20 m).
 
     Parameters
     ----------

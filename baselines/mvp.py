@@ -42,15 +42,11 @@ class Mvp(VelocityRule):
     """Modified voltage potential (Hoekstra et al. 2002, as in BlueSky), in the horizontal plane.
 
     Whether there is a conflict is asked of the velocity that leads back to the trajectory, anew at every decision, in
-    place of BlueSky's separate test for resuming navigation; the change is made to the planned velocity. Made to the
-    former (20, 30 m: 1.1e-2, 7.5e-3 collisions at 5.4, 7.6 m mean deviation) or to the one flown (8, 20 m: 1.9e-2,
-    1e-3 at 9.5, 16.8 m) it did worse than this (20, 30 m: 5.0e-3, 3.3e-3 at 6.0, 9.4 m; 2,000-4,000 encounters of split
-    `validation`, seed 0).
+    place of BlueSky's separate test for resuming navigation; the change is made to the planned velocity.
 
-    The sign of a small offset changes with every message, and a velocity chosen anew each time then goes to neither
-    side: of 4,000 encounters of `gps-denied-v0` (`validation`, seed 1, 20 m) 47 end in a collision with the side kept
-    and 88 without, 15 and 56 of them not with the other. ORCA (23, 22; 3, 2) and the barrier filter (27, 29; 8, 10),
-    which start from the velocity flown, need no such memory.
+    The sign of a small offset changes with every track, and a velocity chosen anew each time then goes to neither side:
+    of 4,000 encounters (`validation`, seed 0, 20 m) 2 end in a collision with the side kept and 14 without. ORCA and
+    the barrier filter, which start from the velocity flown, need no such memory.
 
     Parameters
     ----------

@@ -108,6 +108,10 @@ class Orthogonal(Scripted):
     (`validation`, seed 0, 40 m). The sweep is repeated until the way point is outside every zone, four times at most:
     between two zones that overlap, with a side kept of each that leads into the other, it never is.
 
+    With the side of the way point to come in place of the aircraft's own, let go outside the zone, and no displacement
+    beyond 2 S, 68 in place of 4 of 20,000 encounters (`validation`, seed 0) ended in a collision at 40 m, and 37 in
+    place of 2 at 80 m, at nearly the same deviation. What is left are turns of either aircraft.
+
     Parameters
     ----------
     radius_m : float
@@ -115,7 +119,8 @@ class Orthogonal(Scripted):
     lookahead_s : float
         Time from n to n + 1: the zone is centred on where the other will be.
     level : float
-        In space, 1 displaces the way point in the horizontal plane only, 0 at right angles to the other's velocity.
+        In space, 1 displaces the way point in the horizontal plane only, 0 at right angles to the other's velocity. At
+        30 and 40 m the cost is 10.9 and 15.7 m level, 29.3 and 20.4 m otherwise (4,000 encounters as above).
     """
 
     radius_m: float = number(40.0, 1.0, 1000.0)

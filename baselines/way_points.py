@@ -33,9 +33,9 @@ def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: P
     """Actions that give the way point these velocities.
 
     a = (v - v_planned) / limit, in each axis, of v held within the limits on speed as the world holds it. Backwards an
-    action says no more than the limit less the planned speed. To hold v to that first, and then to the limits, which
-    favours the way to the side, had the orthogonal rule collide in 5 encounters in place of 3 (40 m, 4,000 encounters
-    of `validation`, seed 0).
+    action says no more than the limit less the planned speed. To hold v to that before the limits, which favours the
+    way to the side, had the orthogonal rule collide 5 times in place of 3 (40 m, 4,000 encounters of split
+    `validation`, seed 0).
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Time of scoring a learned policy: python benchmarks/agents.py [--policy NAME|FOLDER] [--million].
 
-Without a policy it is an untrained network of the usual size that flies to the right for good: the arithmetic of a trained
+Without a policy it is an untrained network of the usual size that flies to the right: the arithmetic of a trained
 one, and flights as long. The time holds all of `evaluate`: also the flights of `none`, which every score needs, the
 start of the workers, metrics and intervals. Other work on the machine counts into wall time.
 """

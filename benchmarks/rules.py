@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rss_gym import baselines, observation
+from rss_gym.baselines.intruders import intruders
 from rss_gym.core import Batch
 from rss_gym.params import Params
 
@@ -81,8 +82,8 @@ def rvo2() -> list[float]:
 def main() -> None:
     """Print the table and the ratios."""
     batches, world = observations(), Params()
-    tracked = np.mean([observation.split(batch, world)["track_valid"] for batch in batches])
-    print(f"{ROWS} rows x {DECISIONS} observations, an intruder tracked in {tracked:.0%} of them")
+    told = np.mean([intruders(observation.split(batch, world)).known for batch in batches])
+    print(f"{ROWS} rows x {DECISIONS} observations, an intruder known in {told:.0%} of them")
     print(f"{'decisions per CPU second, one core':<40} {'best':>12} {'median':>12}")
     best = {name: rule(name, batches) for name in AIMS}
     library = rvo2() if importlib.util.find_spec("pyrvo") else None

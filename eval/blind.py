@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from rss_gym import observation
-from rss_gym.baselines.way_points import limited
 from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.episodes import Block, fly
 from rss_gym.eval.intervals import Interval, clopper_pearson
@@ -71,8 +70,6 @@ Manoeuvre = Displaced | Drifting
 class Blind:
     """A manoeuvre as a policy of a world.
 
-    Its state is the displacement of the way point, (n, 3): the observation clips a far one.
-
     Parameters
     ----------
     manoeuvre : Manoeuvre
@@ -88,23 +85,18 @@ class Blind:
 
     def predict(
         self, observation_: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
-    ) -> tuple[np.ndarray, np.ndarray]:
+    ) -> tuple[np.ndarray, None]:
         """SB3's `predict`, for a batch."""
         values = np.asarray(observation_, dtype=np.float64)[:, self.columns]
         seen, axes = observation.restored(values, self.fields), len(self.axes)
-        here_m = np.zeros((len(values), 3)) if state is None else np.array(state)
-        inside = np.abs(values[:, :axes]) < [field.high for field in self.fields[:axes]]
-        here_m[:, :axes] = np.where(inside, seen[:, :axes], here_m[:, :axes])
+        here_m = np.zeros((len(values), 3))
+        here_m[:, :axes] = seen[:, :axes]
         aircraft, decision_s, cruise_mps = self.world.aircraft, self.world.clock.decision_s, seen[:, axes]
         limits = np.array([aircraft.speed_max_mps, aircraft.speed_max_mps, aircraft.vertical_speed_max_mps])
         actions = self.manoeuvre.change_mps(here_m, cruise_mps, decision_s) / limits
         # What is far is approached in its direction.
         actions[:, :2] /= np.maximum(1.0, np.abs(actions[:, :2]).max(axis=1, keepdims=True))
-        actions = np.clip(actions, -1.0, 1.0)
-        # The world limits the speed of the way point, not its change.
-        planned_mps = np.stack([cruise_mps, np.zeros_like(cruise_mps), np.zeros_like(cruise_mps)], axis=1)
-        moved_m = (limited(planned_mps + actions * limits, self.world) - planned_mps) * decision_s
-        return actions[:, :axes].astype(np.float32), here_m + moved_m
+        return np.clip(actions[:, :axes], -1.0, 1.0).astype(np.float32), None
 
 
 @dataclass(frozen=True)

@@ -90,7 +90,9 @@ SUITES: dict[str, Suite] = {
             "the channel of a real telemetry link; the intruder has GNSS, nodes 200 m apart",
             Params.of(channel="quadcopter", intruder="gnss", node_square_m=200.0),
         ),
-        Suite("turning-v0", "both aircraft turn, the intruder before the closest approach", Params.of(families="turning")),
+        Suite(
+            "turning-v0", "both aircraft turn, the intruder before the closest approach", Params.of(families="turning")
+        ),
         Suite("degenerate-v0", "hand-written corners of the geometry", Params.of(families=DEGENERATE), episodes=1000),
         Suite("separating-v0", "families that tell the rules apart, in equal shares", Params.of(families=SEPARATING)),
         Suite(

@@ -22,8 +22,8 @@ def alone() -> None:
     seen = observation.split(row, env.unwrapped.params)  # fields by name, in SI units
     print(
         f"one encounter: cost {info['cost_m']:.1f} m, minus the return {total:.1f}; least separation "
-        f"{info['min_separation_m']:.1f} m, greatest deviation {info['deviation_max_m']:.1f} m; in the end the intruder "
-        f"is estimated at {seen['range_m'][0]:.0f} m"
+        f"{info['min_separation_m']:.1f} m, greatest deviation {info['deviation_max_m']:.1f} m; in the end the "
+        f"intruder is estimated at {seen['range_m'][0]:.0f} m"
     )
 
 

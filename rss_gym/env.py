@@ -13,7 +13,8 @@ from rss_gym.records import EPISODE
 from rss_gym.render.painter import RENDER_FPS, Painter
 
 _NAMES = list(EPISODE.names or ())
-_COLUMNS, _TRUNCATED = {name: _NAMES.index(name) for name in INFO}, _NAMES.index("truncated")
+_COLUMNS = {name: _NAMES.index(name) for name in INFO}
+_TERMINATED, _TRUNCATED = _NAMES.index("terminated"), _NAMES.index("truncated")
 _NO_ROW, _ROW = np.zeros(1, bool), np.ones(1, bool)
 
 
@@ -168,6 +169,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     def __init__(self, params: Params | dict[str, Any] | None = None, render_mode: str | None = None, **keywords: Any):
         self.params = Params.of(params, **keywords)
         self.batch = Batch(self.params, 1)
+        self._running = False
         self.observation_space, self.action_space = spaces(self.params)
         self.painter = Painter(render_mode, self.metadata)
         self.render_mode = render_mode
@@ -187,7 +189,8 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         self.batch.choose(chosen, _ROW)
         self.batch.reset(_ROW)
         self.painter.restart(self.batch)
-        return self.batch.observations[0].copy(), self._info()
+        self._running = True
+        return self.batch.observations[0].copy(), self._info(self.batch.episode[0].item())
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Fly one decision.
@@ -199,13 +202,15 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         ValueError, TypeError
             For an action of the wrong shape or type, or a non-finite one.
         """
-        episode = self.batch.episode[0]
-        if not self.batch.started[0] or episode["terminated"] or episode["truncated"]:
+        if not self._running:
             raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
-        self.batch.step(decode(np.asarray(action)[None], self.params, 1), _NO_ROW)
-        self.painter.follow(self.batch)
-        end = bool(episode["terminated"]), bool(episode["truncated"])
-        return self.batch.observations[0].copy(), float(self.batch.rewards[0]), *end, self._info()
+        batch = self.batch
+        batch.step(decode(np.asarray(action)[None], self.params, 1), _NO_ROW)
+        self.painter.follow(batch)
+        values = batch.episode[0].item()  # one conversion: a field of a record costs as much as the whole
+        terminated, truncated = values[_TERMINATED], values[_TRUNCATED]
+        self._running = not (terminated or truncated)
+        return batch.observations[0].copy(), batch.rewards.item(), terminated, truncated, self._info(values)
 
     def render(self) -> np.ndarray | None:
         """The current frame: an array (H, W, 3) for `rgb_array`, None for `human`."""
@@ -215,8 +220,8 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         """Close the window, if there is one."""
         self.painter.close()
 
-    def _info(self) -> dict[str, Any]:
-        values = self.batch.episode[0].item()  # one conversion: a field of a record costs as much as the whole
+    def _info(self, values: tuple[Any, ...]) -> dict[str, Any]:
+        """The columns of `INFO` among the values of the episode record."""
         info = {name: values[column] for name, column in _COLUMNS.items()}
         info["is_success"] = values[_TRUNCATED] and not info["collision"]
         return info

@@ -282,8 +282,9 @@ def put_track(own, track, planar, positions, out, at):
         out[at] = track.side_probability
         at = put_vector(out, at + 1, track.other_m[0], track.other_m[1], 0.0, along, True)
     at = put_approach(out, at, p[0], p[1], p[2], v[0], v[1], v[2], along, planar)
-    # On the predefined trajectory the agent is displaced by minus its offset, and flies the planned velocity.
-    o, w, ov, wv = own.position_m, own.planned_m, own.velocity_mps, own.planned_mps
+    # On its plan the agent is displaced by minus the displacement of its way point, which it knows exactly and
+    # which its autopilot follows, and flies the planned velocity.
+    o, w, ov, wv = own.way_point_m, own.planned_m, own.velocity_mps, own.planned_mps
     return put_approach(
         out, at, p[0] + o[0] - w[0], p[1] + o[1] - w[1], p[2] + o[2] - w[2],
         v[0] + ov[0] - wv[0], v[1] + ov[1] - wv[1], v[2] + ov[2] - wv[2], along, planar,

@@ -43,7 +43,7 @@ def of_track(own, track):
         "side_probability": track["side_probability"],
     }
     vectors = {"track_position_{}_m": p, "track_velocity_{}_mps": v, "other_position_{}_m": [*track["other_m"], 0.0]}
-    own_position = own["planned_m"] - own["position_m"]  # of the agent on its path, seen from its own solution
+    own_position = own["planned_m"] - own["way_point_m"]  # of the agent on its path, seen from its way point
     flown = approach("flown", p, v)
     planned = approach("planned", p - own_position, v + own["velocity_mps"] - own["planned_mps"])
     return scalars | flown[0] | planned[0], vectors | flown[1] | planned[1]

@@ -207,7 +207,7 @@ LINKED = [
 @pytest.mark.parametrize("changes", LINKED, ids=" ".join)
 def test_linked_parameters_in_any_order(changes):
     """They are checked after all are set: as keywords, one environment's or another's, and from sorted JSON."""
-    wanted, alone = Params.of(**changes), []
+    wanted = Params.of(**changes)
     for order in itertools.permutations(changes):
         keywords = {name: changes[name] for name in order}
         assert Params.of(**keywords) == wanted

@@ -135,8 +135,9 @@ def displaced(spec, decisions, **keywords):
     batch = Batch(policy.world, 8)
     batch.seed(np.arange(8, dtype=np.uint64))
     batch.reset(np.ones(8, bool))
+    state = None
     for _ in range(decisions):
-        actions, _ = policy.predict(batch.observations)
+        actions, state = policy.predict(batch.observations, state)
         batch.step(decode(actions, policy.world, 8), np.zeros(8, bool))
     agent = batch.world.aircraft[:, 0]
     agent = agent[(agent["path_points"] == 2) & ~batch.episode["collision"]]
@@ -169,3 +170,29 @@ def test_who_stops_stands_still_and_who_runs_back_goes_back():
     _, velocity, agent = displaced("back", 20)
     cruise = np.linalg.norm(agent["planned_mps"], axis=1)
     np.testing.assert_allclose(velocity[:, 0], cruise - 5.0, atol=0.05)
+
+
+@pytest.mark.parametrize("target", [(-60.0, -110.0), (-110.0, 30.0)])
+def test_far_displacements_are_reached_though_the_observation_is_clipped(target):
+    offset, _, _ = displaced(f"constant:along_m={target[0]},right_m={target[1]}", 150, families="parallel-pass")
+    np.testing.assert_allclose(offset[:, :2], np.tile(target, (len(offset), 1)), atol=1.0)
+
+
+DEAF = {"agent": "gnss", "intruder": "gnss", "estimator": "ls", "channel": {"sensitivity_dbm": 0.0}}
+
+
+@pytest.mark.parametrize("spec", ["constant:along_m=10,right_m=150", "velocity", "stop", "back", "climb", "blind"])
+def test_the_radio_changes_nothing_for_who_does_not_listen(spec):
+    ends = []
+    for keywords in ({}, DEAF):
+        policy = baselines.make(spec, Params.of(planar=spec != "climb", **keywords))
+        batch, done, state = Batch(policy.world, 100), np.zeros(100, bool), None
+        batch.seed(np.arange(100, dtype=np.uint64))
+        batch.reset(~done)
+        while not done.all():
+            actions, state = policy.predict(batch.observations, state)
+            batch.step(decode(actions, policy.world, 100), done)
+            done = batch.episode["terminated"] | batch.episode["truncated"]
+        ends.append(batch.episode.copy())
+    for column in ("collision", "snmac", "min_separation_m", "cost_m"):
+        np.testing.assert_array_equal(ends[0][column], ends[1][column])

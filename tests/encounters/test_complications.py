@@ -10,7 +10,7 @@ from rss_gym.core import Batch
 from rss_gym.encounters import FAMILIES
 from rss_gym.encounters.family import Complication, Family
 from rss_gym.encounters.sampler import APART_M, STAGGER_S
-from rss_gym.eval.suites import SEPARATING, SUITES
+from rss_gym.eval.suites import SUITES
 from rss_gym.lanes import FRESH_S
 from rss_gym.params import Params, ParamsError
 

@@ -257,7 +257,9 @@ def test_about_two_fifths_collide_if_nobody_acts(planar):
         batch.step(actions, done)
         done |= batch.episode["terminated"] | batch.episode["truncated"]
     share = stats.binomtest(int(batch.episode["collision"].sum()), N).proportion_ci(0.95, method="exact")
-    print(f"\nshare of {N} mixed encounters that collide under zero action, planar {planar}: {share.low} to {share.high}")
+    print(
+        f"\nshare of {N} mixed encounters that collide under zero action, planar {planar}: {share.low} to {share.high}"
+    )
     assert share.low > (0.36 if planar else 0.33) and share.high < 0.44
 
 

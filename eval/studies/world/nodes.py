@@ -20,7 +20,7 @@ def section(scale: Scale) -> Section:
     return Section(
         "The nodes' square",
         f"Suite `encounter-v0` with other sides of the nodes' square, {EPISODES:,} encounters, seed {SEED}, each rule "
-        "at its cheapest radius. The world takes 300 m: the nodes then stand outside the area in which the aircraft meet.",
+        "at its cheapest radius. The world takes 300 m: the nodes stand outside the area in which the aircraft meet.",
         HEADER,
         rows,
     )
