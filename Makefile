@@ -9,7 +9,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test explore lint bench table bars clean
+.PHONY: help setup demo test explore lint bench table clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -36,9 +36,6 @@ bench: .venv/.bench ## step rates on one core, beside other environments
 
 table: .venv/.done ## fly the scripted rules and write their tables (an hour; goes on where it was interrupted)
 	$(BIN)/python docs/table.py
-
-bars: .venv/.done ## fly the shipped agents against the rules by docs/bars.toml (half an hour; goes on likewise)
-	$(BIN)/python docs/bars.py
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -1,6 +1,6 @@
 """Time of scoring a learned policy: python benchmarks/agents.py [--policy NAME|FOLDER] [--million].
 
-Without a policy it is an untrained network of the usual size that flies beside its path: the arithmetic of a trained
+Without a policy it is an untrained network of the usual size that flies to the right: the arithmetic of a trained
 one, and flights as long. The time holds all of `evaluate`: also the flights of `none`, which every score needs, the
 start of the workers, metrics and intervals. Other work on the machine counts into wall time.
 """
@@ -24,9 +24,9 @@ SIZES = (10_000, 50_000)
 MILLION, BAR_S = 1_000_000, 12 * 60
 
 
-def network(folder: Path, layers: list[int], features: str) -> str:
-    """Write a policy that commands its way point to the right, with random hidden layers."""
-    world, shape = Params(), Network(layers=tuple(layers), features=features)
+def network(folder: Path, layers: list[int]) -> str:
+    """Write a policy that moves its way point to the right, with random hidden layers."""
+    world, shape = Params(), Network(layers=tuple(layers))
     generator = np.random.default_rng(0)
     tensors = {name: generator.normal(0.0, 0.1, size).astype(np.float32) for name, size in shape.shapes(world).items()}
     last = len(layers)
@@ -54,14 +54,14 @@ def seconds(policy: str, episodes: int, workers: int) -> tuple[float, float]:
 def main() -> None:
     """Print the table and what it means for a million."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--policy", help="name or folder, of track paper in the plane; default: an untrained network")
+    parser.add_argument("--policy", help="name or folder, of `Encounter-v0`; default: an untrained network")
     parser.add_argument("--layers", type=int, nargs="+", default=[128, 128], help="units of the untrained network")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--million", action="store_true", help="fly 1,000,000 encounters, not 10,000 and 50,000")
     options = parser.parse_args()
     sizes = (MILLION,) if options.million else SIZES
     with tempfile.TemporaryDirectory() as folder:
-        policy = options.policy or network(Path(folder), options.layers, "approach")
+        policy = options.policy or network(Path(folder), options.layers)
         evaluate({"agent": policy}, episodes=16)  # compiled code comes from the cache
         print(f"{'encounters':>10} {'wall s':>8} {'CPU s':>8}")
         found = []

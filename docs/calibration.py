@@ -1,14 +1,14 @@
 """Makes the table of docs/calibration.md from recorded radio logs: python docs/calibration.py DATA_FOLDER (1 min)."""
 
 import argparse
-import re
 from pathlib import Path
+
+from opponents import put
 
 from rss_gym.calibration.calibrate import Calibration, calibrate
 from rss_gym.calibration.compare import FIGURES
 from rss_gym.calibration.logs import read
 from rss_gym.calibration.output import cell
-from rss_gym.files import write_text
 
 PAGE = Path(__file__).resolve().with_suffix(".md")
 # Folder below DATA_FOLDER: what it is, the logs to fit, the logs to test.
@@ -74,9 +74,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, metavar="DATA_FOLDER", help="folder with " + " and ".join(SETS))
     folder = parser.parse_args().folder
     tables = "\n\n".join(table(calibrated(folder, name), name) for name in SETS)
-    marked = r"(<!-- errors -->\n).*?(\n<!-- /errors -->)"
-    text = re.sub(marked, lambda found: found[1] + tables + found[2], PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
-    write_text(PAGE, text)
+    put(PAGE, "errors", tables)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,11 @@
 """Flies what is not yet on disk, one record after another, so that an interrupted run goes on where it stopped."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
 from rss_gym.eval import Result, records
-from rss_gym.files import write_text
 
 
 class Job(Protocol):
@@ -24,36 +23,25 @@ class Job(Protocol):
 
     @property
     def flights(self) -> int:
-        """With those of `none`."""
+        """How many it flies, those of `none` included."""
         ...
 
-    @property
-    def cost(self) -> float:
-        """Time that it takes, in flights of a cheap rule."""
-        ...
-
-    def evaluate(self) -> Result:
+    def evaluate(self, workers: int) -> Result:
         """Fly it."""
         ...
 
 
-def fly(jobs: Sequence[Job], beside: Mapping[str, str] | None = None) -> None:
-    """Fly the jobs that are not yet in their folders, and write the files `beside`, text by name, into these."""
-
-    def write(_: Result, folder: Path) -> None:
-        for name, text in (beside or {}).items():
-            write_text(folder / name, text)
-
+def fly(jobs: Sequence[Job], workers: int) -> None:
+    """Fly the jobs that are not yet in their folders."""
     left = [job for job in jobs if not job.folder.exists()]
-    print(f"{len(jobs)} jobs, {len(jobs) - len(left)} of them flown before", flush=True)
-    start, done, total = time.monotonic(), 0.0, sum(job.cost for job in left)
+    print(f"{len(jobs)} records, {len(jobs) - len(left)} of them flown before", flush=True)
+    start, done, total = time.monotonic(), 0, sum(job.flights for job in left)
     for number, job in enumerate(left, 1):
-        begun = time.monotonic()
-        records.save(job.evaluate(), job.folder, page=write)
-        now, done = time.monotonic(), done + job.cost
-        minutes = (now - start) / 60.0
+        records.save(job.evaluate(workers), job.folder)
+        done += job.flights
+        minutes = (time.monotonic() - start) / 60.0
         print(
-            f"{number}/{len(left)} {job.name}: {job.flights} flights, {job.flights / (now - begun):.0f} a second; "
-            f"{minutes:.1f} min, about {minutes * (total - done) / done:.0f} left",
+            f"{number}/{len(left)} {job.name}: {job.flights} flights; {minutes:.1f} min, "
+            f"about {minutes * (total - done) / done:.0f} left",
             flush=True,
         )

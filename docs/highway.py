@@ -1,6 +1,6 @@
-"""Scores of the drivers on the highway in the README, and its picture: `python docs/highway.py [--record DIR]`.
+"""The table of the drivers in docs/roads.md, and its picture: `python docs/highway.py [--record DIR]`.
 
-Without `--record` it drives 1,000 episodes of each policy first, agents that are shipped too: a quarter of an hour on
+Without `--record` it drives each policy first, agents that are shipped too: 1,000 episodes take a quarter of an hour on
 two cores. `--ship RUN NAME` only puts the driver of a finished run, with its card, into baselines/road/agents/NAME/.
 """
 
@@ -41,11 +41,11 @@ WARNED, QUIET, INK = (225, 40, 40), (60, 130, 230), (255, 255, 255)
 def table(record: Path) -> str:
     """The rows of a record in Markdown."""
     rows = []
-    for row in sorted(opponents.read(record).values(), key=lambda row: row.metrics["cost_m"].value):
+    for row in sorted(opponents.read([record]).values(), key=lambda row: row.metrics["cost_m"].value):
         cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
         rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
     titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]
-    made = opponents.made().replace("`make table`", "`python docs/highway.py`")
+    made = opponents.made(command="python docs/highway.py")
     return f"{opponents.table(titles, rows)}\n\n{made.removesuffix('.')}, highway-env {version('highway-env')}."
 
 
@@ -97,6 +97,7 @@ def main() -> None:
         "--record", type=Path, help="a record of `rss-gym eval --suite highway-v0`, in place of driving"
     )
     parser.add_argument("--policy", nargs="+", default=list(POLICIES), help="what to drive, agents' folders too")
+    parser.add_argument("--episodes", type=int, default=1000)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--ship", nargs=2, metavar=("RUN", "NAME"), help="ship a driver and do nothing else")
     options = parser.parse_args()
@@ -105,9 +106,10 @@ def main() -> None:
         return
     picture().save(ROOT / "docs" / "highway.png", optimize=True)
     record = options.record or road.save(
-        road.evaluate(options.policy, SUITE, workers=options.workers), ROOT / "runs" / "highway-scores"
+        road.evaluate(options.policy, SUITE, options.episodes, workers=options.workers),
+        ROOT / "runs" / "highway-scores",
     )
-    opponents.put(ROOT / "README.md", "road", table(record))
+    opponents.put(ROOT / "docs" / "roads.md", "road", table(record))
 
 
 if __name__ == "__main__":

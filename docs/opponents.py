@@ -1,4 +1,4 @@
-"""The page of the scripted rules from flown records: the tables of docs/opponents.md and the README, and the chart."""
+"""The page of the policies from flown records: the tables of docs/opponents.md and the README, and the chart."""
 
 import json
 import re
@@ -7,20 +7,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rss_gym.eval import ranking
+from rss_gym.eval.costs import Prices
 from rss_gym.eval.metrics import Estimate
+from rss_gym.eval.ranking import Candidate, Place
+from rss_gym.eval.reading import load
 from rss_gym.eval.records import SCORES, versions
 from rss_gym.eval.text import cell
 from rss_gym.files import write_text
 from rss_gym.pages import figure, page
 
-LEGEND = "Bars are 95 % intervals; a hollow point had no collision and stands at the upper end of its interval."
-TICKS_M = (1, 2, 5, 10, 20, 50, 100)
+TICKS_M = (1, 2, 5, 10, 20, 50, 100, 200)
 MARKERS = "osDv^PX"
+COST = ("cost, m", ".2f")
 COLUMNS = {
     "collision_rate": ("collisions", ".2e"),
     "snmac_rate": ("sNMACs", ".2e"),
-    "risk_ratio": ("risk ratio", ".4f"),
-    "path_deviation_mean_m": ("mean deviation, m", ".1f"),
+    "path_deviation_mean_m": ("mean deviation, m", ".2f"),
     "unnecessary_manoeuvre_rate": ("unnecessary manoeuvres", ".3f"),
 }
 
@@ -33,18 +36,19 @@ class Row:
     episodes: int
     metrics: dict[str, Estimate]
 
-    def __getitem__(self, name: str) -> str:
+    def cell(self, name: str, form: str, interval: bool = True) -> str:
         """A metric with its interval."""
-        return cell(self.metrics[name], 1.0, COLUMNS[name][1])
+        return cell(self.metrics[name], 1.0, form, interval)
 
 
-def read(folder: Path) -> dict[str, Row]:
-    """The policies of a record."""
-    scores = json.loads((folder / SCORES).read_text(encoding="utf-8"))
+def read(folders: Iterable[Path]) -> dict[str, Row]:
+    """The policies of records over the same encounters."""
     rows = {}
-    for policy in scores["policies"]:
-        metrics = {name: Estimate(**value) for name, value in policy["metrics"].items()}
-        rows[policy["spec"]] = Row(policy["spec"], scores["episodes"], metrics)
+    for folder in folders:
+        scores = json.loads((folder / SCORES).read_text(encoding="utf-8"))
+        for policy in scores["policies"]:
+            metrics = {name: Estimate(**value) for name, value in policy["metrics"].items()}
+            rows[policy["spec"]] = Row(policy["spec"], scores["episodes"], metrics)
     return rows
 
 
@@ -54,51 +58,63 @@ def table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def scores(rows: Iterable[Row]) -> str:
-    """All columns of `COLUMNS`."""
-    titles = ["policy", "encounters", *(title for title, _ in COLUMNS.values())]
-    return table(titles, ([f"`{row.spec}`", f"{row.episodes}", *(row[name] for name in COLUMNS)] for row in rows))
+def ranked(folders: Sequence[Path]) -> str:
+    """The policies of records over the same encounters in order of cost, with all columns of `COLUMNS`.
+
+    The front is marked by an asterisk; a policy with a fault has no place and stands last, in bold.
+    """
+    rows = read(folders)
+    candidates: dict[str, Candidate] = {}
+    for record in map(load, folders):
+        prices = Prices.of(record.params)
+        for policy in record.policies:
+            candidates[policy.spec] = Candidate.of(policy.spec, policy.table, prices)
+    places = ranking.rank(candidates.values())
+    titles = ["place", "policy", COST[0], "more than the first, m", *(title for title, _ in COLUMNS.values())]
+    return table(titles, (_line(place, rows[place.name]) for place in places))
 
 
-def settings(rows: Iterable[Row]) -> str:
-    """Collisions and deviation of the points of the curves."""
-    names = ("collision_rate", "path_deviation_mean_m")
-    titles = ["policy", "encounters", *(COLUMNS[name][0] for name in names)]
-    return table(titles, ([f"`{row.spec}`", f"{row.episodes}", *(row[name] for name in names)] for row in rows))
+def _line(place: Place, row: Row) -> list[str]:
+    number = f"{place.place}{' *' if place.front else ''}" if place.place else f"**{place.why_not}**"
+    difference = cell(Estimate(*place.difference, "m"), 1.0, "+.2f") if place.difference else ""
+    cells = [row.cell(name, form) for name, (_, form) in COLUMNS.items()]
+    return [number, f"`{row.spec}`", row.cell("cost_m", COST[1]), difference, *cells]
 
 
 def by_family(families: dict[str, dict[str, Row]]) -> str:
-    """Collisions: a row a policy, a column a family."""
+    """Cost and collision rate: a row a family, a column a policy; of the cheapest the cost is bold."""
+    specs = list(dict.fromkeys(spec for rows in families.values() for spec in rows))
     lines = []
-    for spec, row in next(iter(families.values())).items():
-        cells = (rows[spec]["collision_rate"] for rows in families.values())
-        lines.append([f"`{spec}`", f"{row.episodes}", *cells])
-    return table(["policy", "encounters each", *families], lines)
+    for family, rows in families.items():
+        least = min(row.metrics["cost_m"].value or 0.0 for row in rows.values())
+        cells = []
+        for spec in specs:
+            if spec not in rows:
+                cells.append("-")
+                continue
+            cost = rows[spec].cell("cost_m", ".1f", False)
+            best = rows[spec].metrics["cost_m"].value == least
+            cells.append(f"{f'**{cost}**' if best else cost} ({rows[spec].cell('collision_rate', '.1e', False)})")
+        lines.append([family, *cells])
+    return table(["family", *(f"`{spec}`" for spec in specs)], lines)
 
 
 def chart(
-    panels: dict[str, dict[str, list[Row]]],
-    none: dict[str, Row],
-    single: dict[str, list[Row]] | None = None,
-    title: str = "track {}",
-    label: str = "Collision rate over mean deviation of each rule at several settings, on each track",
+    panels: dict[str, dict[str, list[Row]]], none: dict[str, Row], single: dict[str, list[Row]] | None = None
 ) -> str:
-    """An SVG of its own: collisions over deviation along the curve of each rule, a panel a track.
+    """An SVG of its own: sNMACs over deviation along the curve of each rule, a panel a level of information.
 
     Parameters
     ----------
     panels : dict
-        Panel -> rule -> settings along its curve.
+        Level -> rule -> settings along its curve.
     none : dict
-        Panel -> the row of `none`.
+        Level -> the row of `none`.
     single : dict, optional
-        Panel -> rows that no line joins: an agent's seeds.
-    title : str
-        Of a panel, with {} for its name.
-    label : str
-        What it shows, for readers who do not see it.
+        Level -> rows that no line joins: agents.
     """
     rules = list(dict.fromkeys(rule for curves in panels.values() for rule in curves))
+    label = "sNMAC rate over mean deviation of each rule at several radii, at each level of information"
     with figure.figure(label, columns=len(panels), width_in=11.0, height_in=4.6, sharey=True, squeeze=False) as drawing:
         grid = drawing.axes[0]
         for axes, (panel, curves) in zip(grid, panels.items(), strict=True):
@@ -106,13 +122,13 @@ def chart(
                 index = rules.index(rule)
                 _draw(axes, rows, figure.COLOURS[index], MARKERS[index], rule, linewidth=1.2)
             if single and single.get(panel):
-                _draw(axes, single[panel], figure.INK, "h", "agents, each seed", linestyle="none")
-            rate, path = (none[panel].metrics[name] for name in ("collision_rate", "path_deviation_mean_m"))
+                _draw(axes, single[panel], figure.INK, "h", "agents", linestyle="none")
+            rate, path = (none[panel].metrics[name] for name in ("snmac_rate", "path_deviation_mean_m"))
             axes.plot(path.value, rate.value, "*", color=figure.NOMINAL, markersize=8, label="none")
-            axes.set(title=title.format(panel), xlabel="mean deviation, m", xscale="log", yscale="log")
+            axes.set(title=f"information: {panel}", xlabel="mean deviation, m", xscale="log", yscale="log")
             axes.set_xticks(TICKS_M, [f"{tick}" for tick in TICKS_M])
             axes.minorticks_off()
-        grid[0].set_ylabel("collisions per encounter")
+        grid[0].set_ylabel("sNMACs per encounter (best: lower left)")
         handles = {}
         for axes in grid:
             handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
@@ -128,9 +144,9 @@ def picture(drawing: figure.Drawing) -> str:
 
 
 def _draw(axes: Any, rows: list[Row], colour: str, marker: str, label: str, **line: Any) -> None:
-    """Points with their intervals, hollow at the upper end of it where there was no collision."""
+    """Points with their intervals, hollow at the upper end of it where there was no sNMAC."""
     deviation = [row.metrics["path_deviation_mean_m"].value for row in rows]
-    rates = [row.metrics["collision_rate"] for row in rows]
+    rates = [row.metrics["snmac_rate"] for row in rows]
     heights = [rate.value or rate.high for rate in rates]
     ends = [
         [height - (rate.low or height) for height, rate in zip(heights, rates, strict=True)],
@@ -144,12 +160,13 @@ def _draw(axes: Any, rows: list[Row], colour: str, marker: str, label: str, **li
 
 def put(path: Path, name: str, text: str) -> None:
     """Replace what stands between the markers of that name of a file."""
-    marked = rf"(<!-- {name} -->\n).*?(\n<!-- /{name} -->)"
+    marked = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
     content = path.read_text(encoding="utf-8")
-    write_text(path, re.sub(marked, lambda found: found[1] + text + found[2], content, flags=re.DOTALL))
+    write_text(path, re.sub(marked, lambda found: f"{found[1]}{text}\n{found[2]}", content, flags=re.DOTALL))
 
 
-def made(target: str = "table", where: str = "Split `suite`, seed 0; ") -> str:
+def made(episodes: int | None = None, command: str = "make table") -> str:
     """By what, as a sentence."""
     used = ", ".join(f"{name} {number}" for name, number in versions().items())
-    return f"{where}95 % intervals in brackets; made by `make {target}` with {used}."
+    count = f"{episodes:,} encounters, split `suite`, seed 0" if episodes else "Split `suite`, seed 0"
+    return f"{count}; 95 % intervals in brackets; made by `{command}` with {used}."

@@ -1,7 +1,8 @@
 """Makes the table of docs/paper.md and the summary in the README: python docs/paper.py (a minute or two)."""
 
-import re
 from pathlib import Path
+
+from opponents import put
 
 from rss_gym.eval import paper
 from rss_gym.eval.paper import page
@@ -10,19 +11,13 @@ from rss_gym.eval.records import versions
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def put(path: Path, text: str) -> None:
-    """Replace what stands between the markers `<!-- paper -->` of a file."""
-    marked = r"(<!-- paper -->\n).*?(<!-- /paper -->)"
-    path.write_text(re.sub(marked, lambda found: f"{found[1]}{text}\n{found[2]}", path.read_text(), flags=re.DOTALL))
-
-
 def main() -> None:
     """Run the reproduction and write both."""
     result = paper.reproduce()
     used = ", ".join(f"{name} {number}" for name, number in versions().items())
     made = f"Seed {result.study.seed}; made by `python docs/paper.py` with {used}."
-    put(ROOT / "docs" / "paper.md", f"{result.summary}\n\n{page.markdown(result.numbers)}\n\n{made}")
-    put(ROOT / "README.md", result.summary)
+    put(ROOT / "docs" / "paper.md", "paper", f"{result.summary}\n\n{page.markdown(result.numbers)}\n\n{made}")
+    put(ROOT / "README.md", "paper", result.summary)
 
 
 if __name__ == "__main__":

@@ -1,126 +1,114 @@
-"""Makes docs/opponents.md and the README's scores: make table (under an hour on two free cores).
+"""Makes docs/opponents.md with its chart and the README's scores: make table (about half an hour on two free cores).
 
 Each job is a record of `rss-gym eval` in a folder of its own in runs/table/, so that an interrupted run goes on where
 it stopped. A folder's name tells what is flown, not by which code: remove runs/table/ after a change of the world or of
-a rule.
+a policy. `--readme` flies and writes the README's table alone (some minutes).
 """
 
 import argparse
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import flights
 import opponents
 
-from rss_gym.baselines import POLICIES
+from rss_gym import baselines
 from rss_gym.encounters import FAMILIES
 from rss_gym.eval import Result, evaluate
 from rss_gym.eval.suites import find
 from rss_gym.files import write_text
 from rss_gym.pages.figure import require_figures
+from rss_gym.params import Information
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 RUNS = ROOT / "runs" / "table"
-SUITE, SEED, WORKERS = "encounter-v0", 0, 2
-CHOSEN, POINT, BY_FAMILY = 100_000, 20_000, 5_000  # encounters of a rule's chosen setting, of others, in a family
-SLOW_CHOSEN, SLOW_POINT, SLOW_BY_FAMILY = 20_000, 5_000, 2_000  # of the slow rules
-SLOW_COST = 8  # time of a slow rule's flight in those of another, for the time that is left
+SUITE, SPACE, SEED = "encounter-v0", "encounter3d-v0", 0
+README_EPISODES, EPISODES, FAMILY_EPISODES = 20_000, 5_000, 2_000
 
-
-@dataclass(frozen=True)
-class Curve:
-    """A rule's settings: the one chosen and the others, values of `option` in front of the options that stay."""
-
-    chosen: float
-    others: tuple[float, ...] = ()
-    option: str = "radius_m"
-    rest: str = ""
-
-    @property
-    def values(self) -> list[float]:
-        """All, ascending."""
-        return sorted((self.chosen, *self.others))
-
-
-# Chosen on 4,000 encounters of split `validation`, seed 0; on track `paper` the rules' defaults.
-CONSTANT = Curve(30, (15, 60, 100), "right_m")
-CURVES: dict[str, dict[str, Curve]] = {
-    "paper": {
-        "orthogonal": Curve(60, (20, 40, 80, 120)),
-        "orca": Curve(25, (10, 15, 20, 40)),
-        "mvp": Curve(25, (10, 15, 40, 60)),
-        "cbf": Curve(25, (10, 15, 20, 40)),
-        "mpc": Curve(30, (10, 15, 20, 40)),
-        "constant": CONSTANT,
+# Level of information -> rule -> radii, in front of the options that stay.
+RADII: dict[str, dict[str, tuple[float, ...]]] = {
+    "positions": {
+        "orthogonal": (30, 40, 60, 80),
+        "orca": (15, 20, 25, 30),
+        "mvp": (15, 20, 25, 40),
+        "cbf": (15, 20, 25, 30),
+        "mpc": (15, 20, 25, 30),
     },
-    "range": {
-        "orthogonal": Curve(60, (20, 40, 80, 120)),
-        "orca": Curve(25, (15, 20, 30, 40)),
-        "mvp": Curve(30, (15, 20, 45, 70), rest=",lookahead_s=40"),
-        "cbf": Curve(25, (15, 20, 30, 45)),
-        "mpc": Curve(20, (10, 15, 30, 45)),
-        "modified-orthogonal": Curve(120, (40, 60, 90)),
-        "constant": CONSTANT,
+    "ranges": {
+        "orthogonal": (40, 60, 80, 120),
+        "modified-orthogonal": (60, 90, 120),
+        "orca": (20, 25, 30, 40),
+        "mvp": (20, 30, 45),
+        "cbf": (20, 25, 30, 40),
+        "mpc": (20, 30, 40),
     },
     "oracle": {
-        "orthogonal": Curve(60, (20, 30, 40, 80)),
-        "orca": Curve(10, (5, 7, 15, 25)),
-        "mvp": Curve(10, (5, 7, 15, 25)),
-        "cbf": Curve(10, (5, 7, 15, 25)),
-        "mpc": Curve(10, (5, 7, 15, 25)),
-        "constant": CONSTANT,
+        "orthogonal": (20, 30, 40, 60),
+        "orca": (10, 15, 17, 20),
+        "mvp": (10, 15, 17, 20),
+        "cbf": (10, 15, 17, 20),
+        "mpc": (10, 15, 17, 20),
     },
 }
-CLIMB = Curve(15, (5, 10), "up_m")
+BLIND = ("constant:right_m=30", "constant:right_m=100", "velocity", "stop", "back", "blind")
+DEAF = ("brake", "right-turn", "random")  # these know of a warning at most
+AGENTS = "-agents"  # of the name of a record that holds these
+DEFAULTS = ("orthogonal", "orca", "mvp", "cbf", "mpc")
+README = (
+    "none",
+    *("orthogonal:radius_m=30", "orthogonal:radius_m=40", "orthogonal:radius_m=60"),
+    *("orca:radius_m=15", "orca:radius_m=20", "orca:radius_m=25"),
+    *("mvp", "cbf", "mpc"),
+    *("constant:right_m=30", "stop", "back"),
+)
 OF_FAMILY = {"merging": {"intruders": 8, "intruders_min": 2}}  # what a family needs of the world beside its name
-README_TRACK = "paper"
-BLIND = ("blind", "brake", "right-turn", "random")
 
 
 @dataclass(frozen=True)
 class Job:
-    """What one record holds: policies in a suite with changes to its world; `slow` if the policies are."""
+    """What one record holds: policies in a suite with changes to its world."""
 
     name: str
     suite: str
     changes: dict[str, Any]
     policies: tuple[str, ...]
     episodes: int
-    slow: bool = False
 
     @property
     def folder(self) -> Path:
         """Named by the job and by everything that defines it."""
-        content = json.dumps([find(self.suite).changed(**self.changes).hash, self.policies, self.episodes])
+        hashes = [find(self.suite).changed(**self.changes).hash, *(digest(name) for name in self.policies)]
+        content = json.dumps([hashes, self.policies, self.episodes])
         return RUNS / f"{self.name}-{hashlib.sha256(content.encode()).hexdigest()[:8]}"
 
     @property
     def flights(self) -> int:
-        """With those of `none`."""
+        """How many it flies, those of `none` included."""
         return self.episodes * len({*self.policies, "none"})
 
-    @property
-    def cost(self) -> int:
-        """Time that it takes, in flights."""
-        return self.flights * (SLOW_COST if self.slow else 1)
-
-    def evaluate(self) -> Result:
+    def evaluate(self, workers: int) -> Result:
         """Fly them all."""
-        return evaluate(self.policies, self.suite, self.episodes, SEED, WORKERS, progress=False, **self.changes)
+        return evaluate(self.policies, self.suite, self.episodes, SEED, workers, progress=False, **self.changes)
 
 
-def spec(rule: str, curve: Curve, value: float) -> str:
-    """The policy at one setting."""
-    return f"{rule}:{curve.option}={value:g}{curve.rest}"
+def digest(name: str) -> str:
+    """What a name alone does not tell of an agent."""
+    agents = baselines.AGENTS
+    return baselines.agent.load(agents[name]).digest if name in agents else ""
 
 
-def is_slow(rule: str, track: str) -> bool:
-    """Whether the rule enumerates candidates or needs the range-only filter."""
-    return rule == "mpc" or (track == "range" and POLICIES[rule].reads_positions)
+def rules(level: str) -> tuple[str, ...]:
+    """Every rule at every radius."""
+    return tuple(f"{rule}:radius_m={radius:g}" for rule, radii in RADII[level].items() for radius in radii)
+
+
+def agents(suite: str, **changes: Any) -> tuple[str, ...]:
+    """Those that are shipped and were made for this world."""
+    return tuple(name for name in baselines.able(find(suite).changed(**changes).params) if name in baselines.AGENTS)
 
 
 def families() -> list[str]:
@@ -128,84 +116,70 @@ def families() -> list[str]:
     return [name for name, family in FAMILIES.items() if family.script is None]
 
 
-def chosen(track: str, slow: bool) -> tuple[str, ...]:
-    """The chosen setting of each rule, of the slow or of the others."""
-    curves = CURVES[track].items()
-    return tuple(spec(rule, curve, curve.chosen) for rule, curve in curves if is_slow(rule, track) == slow)
+def jobs(shrink: int = 1) -> list[Job]:
+    """All of them, the README's first, with `shrink` times fewer encounters."""
+    readme_n, n, family_n = (max(count // shrink, 2) for count in (README_EPISODES, EPISODES, FAMILY_EPISODES))
+    out = [Job("readme", SUITE, {}, README, readme_n)]
+    out += [Job(level, SUITE, {"information": level}, ("none", *rules(level), *BLIND, *DEAF), n) for level in RADII]
+    out.append(Job("space", SPACE, {}, ("none", *DEFAULTS, *BLIND, "climb"), n))
+    for family in families():
+        where = {"families": [family], **OF_FAMILY.get(family, {})}
+        out.append(Job(family, SUITE, where, ("none", *DEFAULTS), family_n))
+    # Agents apart, over the same encounters: the rules need not fly again when they are made anew.
+    found = [(job, agents(job.suite, **job.changes)) for job in out]
+    return out + [replace(job, name=f"{job.name}{AGENTS}", policies=names) for job, names in found if names]
 
 
-def points(rule: str, curve: Curve) -> tuple[str, ...]:
-    """Every setting of a curve."""
-    return tuple(spec(rule, curve, value) for value in curve.values)
+def folders(todo: list[Job], name: str) -> list[Path]:
+    """The records of a job and of the agents over its encounters."""
+    return [job.folder for job in todo if job.name in (name, f"{name}{AGENTS}")]
 
 
-def jobs(shrink: int) -> list[Job]:
-    """All of them, with `shrink` times fewer encounters."""
-    counts = (CHOSEN, POINT, BY_FAMILY, SLOW_CHOSEN, SLOW_POINT, SLOW_BY_FAMILY)
-    chosen_n, point_n, family_n, slow_n, slow_point_n, slow_family_n = (max(count // shrink, 2) for count in counts)
-    out = []
-    for track, curves in CURVES.items():
-        where: dict[str, Any] = {"track": track}
-        first = Job(track, SUITE, where, ("none", *chosen(track, slow=False), *BLIND), chosen_n)
-        out.append(first)
-        for rule, curve in curves.items():
-            slow, best = is_slow(rule, track), spec(rule, curve, curve.chosen)
-            others = tuple(name for name in points(rule, curve) if name != best)
-            out.append(Job(f"{track}-{rule}", SUITE, where, others, slow_point_n if slow else point_n, slow))
-        slow_rules = chosen(track, slow=True)
-        out.append(Job(f"{track}-slow", SUITE, where, slow_rules, slow_n, slow=True))
-    rules = (*chosen("paper", slow=False), *chosen("paper", slow=True))
-    flown = dict.fromkeys(("none", *rules, *points("constant", CONSTANT), *points("climb", CLIMB)))
-    out.append(Job("space", "encounter3d-v0", {}, tuple(flown), point_n))
-    for track in CURVES:
-        for family in families():
-            where = {"track": track, "families": [family], **OF_FAMILY.get(family, {})}
-            out.append(Job(f"{track}-{family}", SUITE, where, chosen(track, slow=False), family_n))
-            slow_rules = chosen(track, slow=True)
-            out.append(Job(f"{track}-{family}-slow", SUITE, where, slow_rules, slow_family_n, slow=True))
-    return out
+def readme(todo: list[Job]) -> str:
+    """The README's table."""
+    return f"{opponents.ranked(folders(todo, 'readme'))}\n\n{opponents.made(todo[0].episodes)}"
 
 
-def pages(todo: list[Job]) -> tuple[str, str, str]:
-    """From the records of the jobs: the README's table, those of docs/opponents.md, the chart."""
-    found = {job.name: opponents.read(job.folder) for job in todo}
-    curves: dict[str, dict[str, list[opponents.Row]]] = {}
-    main, text = {}, []
-    for track in CURVES:
-        curves[track], rows = {}, [found[track]["none"]]
-        for rule, curve in CURVES[track].items():
-            known = found[f"{track}-{rule}"] | found[f"{track}-slow"] | found[track]
-            curves[track][rule] = [known[name] for name in points(rule, curve)]
-            rows += curves[track][rule] if curve is CONSTANT else [known[spec(rule, curve, curve.chosen)]]
-        main[track] = opponents.scores([*rows, *(found[track][name] for name in BLIND)])
-        text.append(f"## Track `{track}`\n\n{main[track]}")
-    text.append(f"## All settings\n\n![Collisions over deviation](opponents.svg)\n\n{opponents.LEGEND}")
-    for track in CURVES:
-        rows = [row for line in curves[track].values() for row in line]
-        text.append(f"### Track `{track}`\n\n{opponents.settings(rows)}")
-    text.append(f"## In space, track `paper`\n\n{opponents.scores(found['space'].values())}")
-    for track in CURVES:
-        rows_of = {name: found[f"{track}-{name}-slow"] | found[f"{track}-{name}"] for name in families()}
-        text.append(f"## Collisions by family, track `{track}`\n\n{opponents.by_family(rows_of)}")
-    drawn = opponents.chart(curves, {track: found[track]["none"] for track in CURVES})
-    return f"{main[README_TRACK]}\n\n{opponents.made()}", "\n\n".join([*text, opponents.made()]), drawn
+def pages(todo: list[Job]) -> tuple[str, str]:
+    """From the records of the jobs: the tables of docs/opponents.md, and the chart."""
+    text = [f"## Information `{level}`\n\n{opponents.ranked(folders(todo, level))}" for level in RADII]
+    text.append(f"## In space, information `positions`\n\n{opponents.ranked(folders(todo, 'space'))}")
+    rows = {name: opponents.read(folders(todo, name)) for name in families()}
+    text.append(f"## Cost by family, information `positions`\n\n{opponents.by_family(rows)}")
+    text.append(opponents.made())
+    found = {level: opponents.read(folders(todo, level)) for level in RADII}
+    curves = {
+        level: {
+            rule: [found[level][f"{rule}:radius_m={radius:g}"] for radius in radii]
+            for rule, radii in RADII[level].items()
+        }
+        for level in RADII
+    }
+    single = {level: [found[level][name] for name in agents(SUITE, information=level)] for level in RADII}
+    return "\n\n".join(text), opponents.chart(curves, {level: found[level]["none"] for level in RADII}, single)
 
 
 def main() -> None:
     """Fly what is missing and write the pages, or print them for a test."""
-    parser = argparse.ArgumentParser(description="Flies the tables of the scripted rules and writes docs/opponents.md.")
+    parser = argparse.ArgumentParser(description="Flies the tables of the policies and writes docs/opponents.md.")
     parser.add_argument("--shrink", type=int, default=1, metavar="N", help="N times fewer encounters, for a test")
+    parser.add_argument("--readme", action="store_true", help="fly and write the README's table alone")
+    parser.add_argument("--workers", type=int, default=2, help="processes")
     options = parser.parse_args()
     require_figures()
+    assert set(RADII) == set(get_args(Information))
     todo = jobs(options.shrink)
-    flights.fly(todo)
-    readme, tables, drawn = pages(todo)
+    todo = [job for job in todo if job.name.startswith("readme")] if options.readme else todo
+    flights.fly(todo, options.workers)
+    scores = readme(todo)
+    tables, drawn = ("", "") if options.readme else pages(todo)
     if options.shrink > 1:
-        print(tables)
+        print(f"{scores}\n\n{tables}")
         return
-    opponents.put(ROOT / "README.md", "scores", readme)
-    opponents.put(DOCS / "opponents.md", "tables", tables)
-    write_text(DOCS / "opponents.svg", drawn)
+    opponents.put(ROOT / "README.md", "scores", scores)
+    if not options.readme:
+        opponents.put(DOCS / "opponents.md", "tables", tables)
+        write_text(DOCS / "opponents.svg", drawn)
 
 
 if __name__ == "__main__":

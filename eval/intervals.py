@@ -1,4 +1,4 @@
-"""Confidence intervals and tests in closed form: no resampling, no random numbers, the same on every machine.
+"""Confidence intervals in closed form: no resampling, no random numbers, the same on every machine.
 
 Every interval comes as `Interval(value, low, high, n)`. A quantity that the data do not define (a mean of nothing, a
 ratio to zero, an end that no order statistic bounds) is None. `confidence` is that of the whole interval; with
@@ -15,7 +15,7 @@ from math import fsum, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.special import bdtr, betainccinv, betaincinv, gammainccinv, gammaincinv, ndtr, ndtri, stdtr, stdtrit
+from scipy.special import bdtr, betainccinv, betaincinv, gammainccinv, gammaincinv, ndtr, ndtri, stdtrit
 
 CONFIDENCE = 0.95
 
@@ -388,50 +388,3 @@ def _correlations(columns: list[np.ndarray]) -> list[list[float]]:
                 product = fsum((centred[i] * centred[j]).tolist()) / scale
                 out[i][j] = out[j][i] = min(1.0, max(-1.0, product))
     return out
-
-
-# Tests
-
-
-def mcnemar_exact(only_a: int, only_b: int) -> float:
-    """Two-sided p-value of equal event rates in pairs: under it `only_a` is binomial (only_a + only_b, 1/2).
-
-    References
-    ----------
-    McNemar, Psychometrika 12 (1947) 153; the exact conditional form.
-    """
-    return min(1.0, 2.0 * float(bdtr(min(only_a, only_b), int(only_a) + int(only_b), 0.5)))
-
-
-def mean_zero_t(x: np.ndarray) -> float:
-    """Two-sided p-value of a mean of zero, Student's t test; with pairs, of their differences.
-
-    Without scatter it is 1 for zeros and 0 otherwise, for fewer than two values 1.
-
-    References
-    ----------
-    Student, "The probable error of a mean", Biometrika 6 (1908) 1.
-    """
-    values = np.asarray(x, dtype=np.float64)
-    n = len(values)
-    if n < 2:
-        return 1.0
-    mean = fsum(values.tolist()) / n
-    error = sqrt(fsum(((values - mean) ** 2).tolist()) / (n - 1) / n)
-    if error == 0.0:
-        return 1.0 if mean == 0.0 else 0.0
-    return 2.0 * float(stdtr(n - 1, -abs(mean) / error))
-
-
-def holm(p_values: Sequence[float]) -> list[float]:
-    """Adjusted p-values, in the order given; those below alpha are rejected with a family-wise error of alpha.
-
-    References
-    ----------
-    Holm, "A simple sequentially rejective multiple test procedure", Scandinavian Journal of Statistics 6 (1979) 65.
-    """
-    p, adjusted = np.asarray(p_values, dtype=np.float64), np.empty(len(p_values))
-    order = np.argsort(p, kind="stable")
-    steps = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
-    adjusted[order] = np.minimum(steps, 1.0)
-    return [float(value) for value in adjusted]

@@ -7,36 +7,46 @@ import pytest
 import table
 
 from rss_gym.baselines import POLICIES
+from rss_gym.eval import evaluate, records
 from rss_gym.eval.metrics import Estimate
 
 
-def test_every_policy_is_flown_on_every_track_that_it_can_fly_on():
-    jobs = table.jobs(1)
-    flown = {(job.changes.get("track", "paper"), spec.partition(":")[0]) for job in jobs for spec in job.policies}
-    assert flown >= {(track, name) for name, kind in POLICIES.items() for track in kind.tracks if not kind.in_space}
-    assert ("paper", "climb") in flown
+def test_every_policy_is_flown_on_every_information_that_it_can_fly_on():
+    jobs = table.jobs()
+    flown = {(job.name, spec.partition(":")[0]) for job in jobs for spec in job.policies}
+    planar = {(level, name) for name, kind in POLICIES.items() for level in kind.information if not kind.in_space}
+    assert flown >= planar
+    assert ("space", "climb") in flown
 
 
-def test_no_two_jobs_share_a_folder_and_the_chosen_settings_have_the_most_encounters():
-    jobs = table.jobs(1)
+def test_no_two_jobs_share_a_folder_and_the_readme_has_the_most_encounters():
+    jobs = table.jobs()
     assert len({job.folder for job in jobs}) == len(jobs)
-    for track in table.CURVES:
-        main = next(job for job in jobs if job.name == track)
-        assert main.episodes == 100_000 and set(table.chosen(track, slow=False)) <= set(main.policies)
+    assert jobs[0].name == "readme" and jobs[0].episodes == max(job.episodes for job in jobs)
 
 
-def test_the_chart_draws_points_without_a_collision():
+def test_a_record_becomes_a_ranked_table(tmp_path):
+    policies = ("none", "orca:radius_m=20", "stop")
+    records.save(evaluate(policies, episodes=40, progress=False), tmp_path / "record")
+    lines = opponents.ranked([tmp_path / "record"]).splitlines()
+    assert lines[0].startswith("| place | policy | cost, m | more than the first, m | collisions |")
+    assert lines[2].startswith("| 1 * | `orca:radius_m=20` |") and len(lines) == 5
+    family = opponents.by_family({"mixed": opponents.read([tmp_path / "record"])})
+    assert "| mixed | " in family and "**" in family
+
+
+def test_the_chart_draws_points_without_an_event():
     pytest.importorskip("matplotlib")
 
     def row(rate, deviation_m):
         high = max(2.0 * rate, 1e-3)
         metrics = {
-            "collision_rate": Estimate(rate, 0.5 * rate, high, 1000, "1"),
+            "snmac_rate": Estimate(rate, 0.5 * rate, high, 1000, "1"),
             "path_deviation_mean_m": Estimate(deviation_m, deviation_m, deviation_m, 1000, "m"),
         }
         return opponents.Row("orca", 1000, metrics)
 
-    curves = {track: {"orca": [row(0.1, 3.0), row(0.0, 20.0)]} for track in table.CURVES}
+    curves = {level: {"orca": [row(0.1, 3.0), row(0.0, 20.0)]} for level in table.RADII}
     drawn = opponents.chart(curves, dict.fromkeys(curves, row(0.4, 22.0)))
     assert ElementTree.fromstring(drawn).tag == "{http://www.w3.org/2000/svg}svg"
-    assert "--c0: #" in drawn and "track oracle" in drawn
+    assert "--c0: #" in drawn and "information: oracle" in drawn

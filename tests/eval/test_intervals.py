@@ -1,4 +1,4 @@
-"""Intervals and tests against SciPy, published numbers, and a bootstrap."""
+"""Intervals against SciPy, published numbers, and a bootstrap."""
 
 import numpy as np
 import pytest
@@ -9,10 +9,7 @@ from scipy import stats
 from rss_gym.eval.intervals import (
     Interval,
     clopper_pearson,
-    holm,
-    mcnemar_exact,
     mean_t,
-    mean_zero_t,
     odds_exact,
     overdispersion,
     paired_difference,
@@ -74,16 +71,6 @@ def test_mean_t_is_scipys(n, side):
     ends = [np.inf if end is None else end for end in (found.high,)] + [-np.inf if found.low is None else found.low]
     assert ends == pytest.approx([expected.high, expected.low], rel=1e-9)
     assert found.value == pytest.approx(np.mean(x), rel=1e-12)
-
-
-@pytest.mark.parametrize("mean", [0.0, 0.02, 0.5, -3.0])
-def test_mean_zero_t_is_scipys(mean):
-    x = np.random.default_rng(1).normal(mean, 1.0, 500)
-    assert mean_zero_t(x) == pytest.approx(stats.ttest_1samp(x, 0.0).pvalue, rel=1e-9)
-
-
-def test_mean_zero_t_without_scatter():
-    assert [mean_zero_t(np.array(x)) for x in ([0.0, 0.0], [-2.0, -2.0], [5.0], [])] == [1.0, 0.0, 1.0, 1.0]
 
 
 @pytest.mark.parametrize("q", [0.001, 0.05, 0.5, 0.8, 0.95])
@@ -205,28 +192,6 @@ def test_paired_intervals_against_a_bootstrap():
     ratio, difference = paired_risk_ratio(*counts, n), paired_difference(*counts, n)
     assert [ratio.low, ratio.high] == pytest.approx(np.quantile(a / b, [0.025, 0.975]), rel=0.015)
     assert [difference.low, difference.high] == pytest.approx(np.quantile((a - b) / n, [0.025, 0.975]), rel=0.015)
-
-
-# Tests
-
-
-@pytest.mark.parametrize(("b", "c"), [(0, 0), (0, 5), (5, 5), (12, 3), (1000, 1200)])
-def test_mcnemar_is_the_binomial_test(b, c):
-    expected = stats.binomtest(b, b + c).pvalue if b + c else 1.0
-    assert mcnemar_exact(b, c) == pytest.approx(expected, rel=1e-9)
-
-
-def test_holm_by_hand():
-    """4 x 0.005, 3 x 0.01, 2 x 0.03, then 0.04 raised to its forerunner."""
-    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
-    assert holm([0.6, 0.7]) == [1.0, 1.0]
-    assert holm([]) == []
-
-
-@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
-def test_holm_lies_between_single_test_and_bonferroni(p_values):
-    for p, adjusted in zip(p_values, holm(p_values), strict=True):
-        assert p <= adjusted <= min(1.0, len(p_values) * p) + 1e-12
 
 
 # What is not defined, and what is not allowed
