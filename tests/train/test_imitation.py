@@ -116,7 +116,7 @@ def critic_of(one):
 
 
 def test_the_critic_learns_alone_first_and_a_run_begins_with_what_was_imitated(changes, tmp_path, capsys):
-    changes = {**changes, "recipe.steps": 3072, "imitation.critic_steps": 2048}
+    changes = {**changes, "recipe.steps": 3072, "imitation.critic_steps": 2048, "algorithm.learning_rate": 1e-3}
     seen = {}
     save = Learner.save
 

@@ -95,8 +95,8 @@ def test_stages():
         },
     )
     assert [recipe.stage(steps) for steps in (0, 199, 200, 499, 500, 1000)] == [0, 0, 1, 1, 2, 2]
-    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [25.0, 20.0, 25.0]
-    assert [recipe.params_of(stage).reward.collision_price_m for stage in range(3)] == [300.0, 300.0, 500.0]
+    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [30.0, 20.0, 30.0]
+    assert [recipe.params_of(stage).reward.collision_price_m for stage in range(3)] == [1000.0, 1000.0, 500.0]
 
 
 @pytest.mark.parametrize(
