@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 RUNS = ROOT / "runs" / "table"
 SUITE, SPACE, SEED = "encounter-v0", "encounter3d-v0", 0
-README_EPISODES, EPISODES, FAMILY_EPISODES = 20_000, 5_000, 2_000
+README_EPISODES, EPISODES, FAMILY_EPISODES = 20_000, 5_000, 1_000
 
 # Level of information -> rule -> radii, in front of the options that stay.
 RADII: dict[str, dict[str, tuple[float, ...]]] = {
@@ -39,23 +39,24 @@ RADII: dict[str, dict[str, tuple[float, ...]]] = {
         "mpc": (15, 20, 25, 30),
     },
     "ranges": {
-        "orthogonal": (40, 60, 80, 120),
+        "orthogonal": (40, 60, 80),
         "modified-orthogonal": (60, 90, 120),
-        "orca": (20, 25, 30, 40),
-        "mvp": (20, 30, 45),
-        "cbf": (20, 25, 30, 40),
+        "orca": (20, 30, 40),
+        "mvp": (20, 30, 40),
+        "cbf": (20, 30, 40),
         "mpc": (20, 30, 40),
     },
     "oracle": {
-        "orthogonal": (20, 30, 40, 60),
-        "orca": (10, 15, 17, 20),
-        "mvp": (10, 15, 17, 20),
-        "cbf": (10, 15, 17, 20),
-        "mpc": (10, 15, 17, 20),
+        "orthogonal": (20, 30, 40),
+        "orca": (15, 17, 20),
+        "mvp": (15, 17, 20),
+        "cbf": (15, 17, 20),
+        "mpc": (15, 17, 20),
     },
 }
+# These know nothing, so that they fly the same on every level, and the next know of a warning at most.
 BLIND = ("constant:right_m=30", "constant:right_m=100", "velocity", "stop", "back", "blind")
-DEAF = ("brake", "right-turn", "random")  # these know of a warning at most
+DEAF = ("brake", "right-turn", "random")
 AGENTS = "-agents"  # of the name of a record that holds these
 DEFAULTS = ("orthogonal", "orca", "mvp", "cbf", "mpc")
 README = (

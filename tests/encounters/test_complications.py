@@ -140,7 +140,9 @@ def test_merging_intruders_come_one_after_another_and_follow_one_course():
         own = agent["path_m"][:, 0] + agent["planned_mps"] * there_s[:, None]
         offsets.append(np.linalg.norm((intruders[:, k]["path_m"][:, 1] - own)[:, :2], axis=1))
         start_m = np.linalg.norm(intruders[:, k]["path_m"][:, 0] - agent["path_m"][:, 0], axis=1)
-        assert np.all((start_m >= 1.1 * 120.0 - 1e-5) & (start_m <= np.hypot(1.6 * 120.0, offsets[k]) + 1e-5))
+        assert np.all(start_m >= 1.1 * 120.0 - 1e-5)
+        if k == 0:  # the others arrive later and may come from farther away
+            assert np.all(start_m <= np.hypot(1.6 * 120.0, offsets[k]) + 1e-5)
         courses.append(velocities[:, 1])
         arrivals.append(there_s)
         if k == 0:

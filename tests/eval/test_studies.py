@@ -28,12 +28,12 @@ def test_the_study_trains_with_the_settings_of_the_example():
     for node in ast.walk(ast.parse(EXAMPLE.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("make_vec_env", "VecNormalize", "PPO"):
             found[node.func.id] = {word.arg: word.value for word in node.keywords if word.arg}
-        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "options":
-            found["options"] = ast.literal_eval(node.value)
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") in ("options", "prices"):
+            found[node.targets[0].id] = ast.literal_eval(node.value)
     vec = {name: ast.literal_eval(value) for name, value in found["make_vec_env"].items()}
-    assert (vec.pop("n_envs"), vec.pop("seed")) == (learning.ROWS, 0)
-    assert vec == learning.WORLD
-    assert found["options"] == learning.OPTIONS
+    assert vec == {"n_envs": learning.ROWS, "seed": 0}
+    assert found["prices"] == learning.WORLD
+    assert found["options"] == learning.OPTIONS | {"seed": 0, "device": "cpu"}
     assert ast.literal_eval(found["VecNormalize"]["norm_obs"]) is False
     rate = found["PPO"]["learning_rate"].body
     assert learning.LEARNING_RATE in [n.value for n in ast.walk(rate) if isinstance(n, ast.Constant)]

@@ -57,7 +57,7 @@ def test_coloured_errors_are_the_sandwich():
 
 def test_errors_cover_the_truth():
     """200 flights of 5 min, 5 to 60 m and back in 40 s: with the noise found the error is the scatter."""
-    channel = load_channel("paper").replace(path_loss_wander=0.0)
+    channel = load_channel("outdoor").replace(path_loss_wander=0.0)
     t = 0.1 * np.arange(3000)
     d = 32.5 + 27.5 * np.cos(2.0 * np.pi * t / 40.0)
     errors, naive, found = [], [], []

@@ -15,7 +15,7 @@ QUIET = {"white_variance_db2": 0.0, "coloured_variance_db2": 1e-6, "path_loss_wa
 
 def test_every_sample_is_the_kernels():
     """The recursion written in Python, from `physics` alone."""
-    channel = load_channel("paper")
+    channel = load_channel("outdoor")
     d = np.linspace(3.0, 60.0, 25)
     log = simulate(d, 0.5, channel, seed=3, record=9)
     key = np.uint64(random.episode_key(SPLIT, np.uint64(3), np.uint64(9)))
@@ -49,7 +49,7 @@ def test_a_batch_is_its_records():
 
 def test_moments_over_an_ensemble():
     """4000 records: stationary variances at the first and last sample, correlation a^lag; 4.5 standard errors."""
-    channel = load_channel("paper").replace(path_loss_wander=0.3, path_loss_wander_tc_s=1.0)
+    channel = load_channel("outdoor").replace(path_loss_wander=0.3, path_loss_wander_tc_s=1.0)
     log = simulate(np.full((4000, 40), 10.0), 0.1, channel, seed=2)
     rest = log.rss_dbm - received([10.0], channel)
     for n in (0, 39):

@@ -55,7 +55,7 @@ def test_allan_curve_gives_a_wrong_lambda_elsewhere():
 
 
 def test_simulated_record():
-    channel = load_channel("paper").replace(white_variance_db2=1.0, coloured_variance_db2=9.0, path_loss_wander=0.0)
+    channel = load_channel("outdoor").replace(white_variance_db2=1.0, coloured_variance_db2=9.0, path_loss_wander=0.0)
     x = simulate(np.ones(50_000), PERIOD_S, channel, seed=6).rss_dbm
     assert two_point(allan_curve(x, PERIOD_S), 0.4, 1.6).diverges
     assert two_point(autocovariance(x, PERIOD_S, 20), 0.2, 1.0).lambda_ps == pytest.approx(-0.5, rel=0.15)

@@ -17,7 +17,7 @@ from rss_gym.ranging.track import ESTIMATORS, Track, Tuning, track
 
 EVERY = pytest.mark.parametrize("name", ESTIMATORS)
 FILTERS = tuple(name for name in ESTIMATORS if name.startswith("ekf"))
-PAPER = load_channel("paper")
+PAPER = load_channel("outdoor")
 FIELDS = ("range_m", "coloured_db", "covariance", "innovation_db", "innovation_variance_db2")
 
 
