@@ -9,7 +9,7 @@ from rss_gym.eval.suites import SUITES
 
 EPISODES = 2000
 BEST, RULE = 1.5, 1.0  # times the cost of the best scripted policy, and of the paper's rule at its cheapest radius
-RADII_M = (20, 30, 40, 60)
+RADII_M = (30, 40, 60, 80, 110)
 SCRIPTED = ("orca", "mvp", "cbf", "mpc", "modified-orthogonal")
 
 
