@@ -284,7 +284,10 @@ def main() -> None:
     parser.add_argument("--encounters", type=int, default=0, metavar="N", help="choose the seed on so many")
     options = parser.parse_args()
     limits = options.limits.read_text(encoding="utf-8") if options.limits else ""
-    print(ship(options.run, options.name, limits, encounters=options.encounters))
+    try:
+        print(ship(options.run, options.name, limits, encounters=options.encounters))
+    except ParamsError as error:
+        parser.error(str(error))
 
 
 if __name__ == "__main__":
