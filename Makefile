@@ -34,7 +34,7 @@ lint: .venv/.done ## style, types and layers
 bench: .venv/.bench ## step rates on one core, beside other environments
 	$(BIN)/python benchmarks/speed.py
 
-table: .venv/.done ## fly the scripted rules and write their tables (an hour; goes on where it was interrupted)
+table: .venv/.done ## fly the policies and write their tables (half an hour on two idle cores; goes on where it was interrupted)
 	$(BIN)/python docs/table.py
 
 clean: ## remove build products and caches; .venv stays

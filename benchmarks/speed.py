@@ -16,7 +16,7 @@ import radio
 import rss_gym  # noqa: F401  registers the ids
 
 ROWS, ROUNDS = 1024, 5
-VECTOR_BAR, VECTOR_AIM, SINGLE_BAR = 250_000, 500_000, 25_000
+VECTOR_BAR, RANGES_BAR, SINGLE_BAR, SINGLE_AIM = 700_000, 400_000, 70_000, 100_000
 
 
 def vector_rate(env_id: str, steps: int, **keywords: Any) -> list[float]:
@@ -80,7 +80,8 @@ def main() -> None:
     print(f"{'per CPU second, one core':<58} {'best':>12} {'median':>12}  of {ROUNDS} rounds")
     ours = line(f"rss_gym/Encounter-v0, make_vec, {ROWS} rows", vector_rate("rss_gym/Encounter-v0", 60))
     line(f"rss_gym/Encounter3D-v0, make_vec, {ROWS} rows", vector_rate("rss_gym/Encounter3D-v0", 60))
-    line(f"rss_gym/EncounterRangeOnly-v0, make_vec, {ROWS} rows", vector_rate("rss_gym/EncounterRangeOnly-v0", 60))
+    ranges_id = "rss_gym/EncounterRangeOnly-v0"
+    ranges = line(f"{ranges_id}, make_vec, {ROWS} rows", vector_rate(ranges_id, 60))
     single = line("rss_gym/Encounter-v0, make", single_rate("rss_gym/Encounter-v0", 5000))
     cart_pole = line(f"CartPole-v1, make_vec, {ROWS} rows", vector_rate("CartPole-v1", 200))
     cart_pole_single = line("CartPole-v1, make", single_rate("CartPole-v1", 5000))
@@ -93,9 +94,10 @@ def main() -> None:
     else:
         print("highway-fast-v0 skipped: highway-env is not installed (extra `bench`)")
     radio.main()
-    verdict("vector environment, decisions per CPU second", ours, VECTOR_BAR)
-    verdict("the same, aim", ours, VECTOR_AIM)
+    verdict("vector environment with `fused`, decisions per CPU second", ours, VECTOR_BAR)
+    verdict("ranges only with `bearings`, decisions per CPU second", ranges, RANGES_BAR)
     verdict("single environment, decisions per CPU second", single, SINGLE_BAR)
+    verdict("the same, aim", single, SINGLE_AIM)
 
 
 if __name__ == "__main__":

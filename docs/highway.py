@@ -5,6 +5,7 @@ two cores. `--ship RUN NAME` only puts the driver of a finished run, with its ca
 """
 
 import argparse
+import os
 import re
 from importlib.metadata import version
 from pathlib import Path
@@ -104,6 +105,7 @@ def main() -> None:
     if options.ship:
         print(ship(Path(options.ship[0]), options.ship[1]))
         return
+    os.environ.pop("SDL_VIDEODRIVER", None)  # with the driver `dummy` highway-env draws nothing
     picture().save(ROOT / "docs" / "highway.png", optimize=True)
     record = options.record or road.save(
         road.evaluate(options.policy, SUITE, options.episodes, workers=options.workers),

@@ -33,7 +33,7 @@ from rss_gym.train.validation import Validator
 
 CARD, CURVES, CHART = "card.md", "curves.csv", "curves.svg"
 NAME = re.compile("[a-z][a-z0-9-]{1,40}")
-COLUMNS = ("steps", "episodes", "cost_m", "cost_low_m", "cost_high_m", "collisions", "collision_rate")
+COLUMNS: tuple[str, ...] = ("steps", "episodes", "cost_m", "cost_low_m", "cost_high_m", "collisions", "collision_rate")
 COLUMNS += ("collision_rate_low", "collision_rate_high", "snmac_rate", "path_deviation_mean_m", "best")
 
 
@@ -140,8 +140,9 @@ def chosen(shipped: Seed) -> str:
 def row(seed: Seed) -> list[str]:
     """A seed in the card's table."""
     kept = seed.kept | (seed.again or {})
-    cost = Estimate(*(kept[f"cost{end}_m"] for end in ("", "_low", "_high")), kept["episodes"], "m")
-    rate = Estimate(*(kept[f"collision_rate{end}"] for end in ("", "_low", "_high")), kept["episodes"], "1")
+    cost = Estimate(kept["cost_m"], kept["cost_low_m"], kept["cost_high_m"], kept["episodes"], "m")
+    rates = (kept[f"collision_rate{end}"] for end in ("", "_low", "_high"))
+    rate = Estimate(next(rates), next(rates), next(rates), kept["episodes"], "1")
     deviation = f"{kept['path_deviation_mean_m']:.2f}"
     numbers = [f"{seed.number}", f"{kept['steps']:,}", f"{kept['episodes']:,}"]
     return [*numbers, cell(cost, 1.0, ".2f"), cell(rate, 1.0, ".2e"), deviation]
