@@ -57,12 +57,12 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
 
     | Num | Field | Unit | Column | Low | High | Meaning |
     |---|---|---|---|---|---|---|
-    | 0 | `way_point_along_m` | m | x / 30 | -3 | 3 | commanded way point minus predefined trajectory |
-    | 1 | `way_point_right_m` | m | x / 30 | -3 | 3 | commanded way point minus predefined trajectory |
-    | 2 | `way_point_up_m` | m | x / 30 | -3 | 3 | commanded way point minus predefined trajectory |
-    | 3 | `offset_along_m` | m | x / 30 | -3 | 3 | own solution minus predefined trajectory |
-    | 4 | `offset_right_m` | m | x / 30 | -3 | 3 | own solution minus predefined trajectory |
-    | 5 | `offset_up_m` | m | x / 30 | -3 | 3 | own solution minus predefined trajectory |
+    | 0 | `way_point_along_m` | m | x / (abs(x) + 20) | -1 | 1 | commanded way point minus predefined trajectory |
+    | 1 | `way_point_right_m` | m | x / (abs(x) + 20) | -1 | 1 | commanded way point minus predefined trajectory |
+    | 2 | `way_point_up_m` | m | x / (abs(x) + 20) | -1 | 1 | commanded way point minus predefined trajectory |
+    | 3 | `offset_along_m` | m | x / (abs(x) + 20) | -1 | 1 | own solution minus predefined trajectory |
+    | 4 | `offset_right_m` | m | x / (abs(x) + 20) | -1 | 1 | own solution minus predefined trajectory |
+    | 5 | `offset_up_m` | m | x / (abs(x) + 20) | -1 | 1 | own solution minus predefined trajectory |
     | 6 | `velocity_along_mps` | m/s | x / 5 | -3 | 3 | own velocity, own solution |
     | 7 | `velocity_right_mps` | m/s | x / 5 | -3 | 3 | own velocity, own solution |
     | 8 | `velocity_up_mps` | m/s | x / 5 | -3 | 3 | own velocity, own solution |

@@ -16,7 +16,7 @@ from rss_gym.vector import EncounterVectorEnv
 
 SEED = 1000
 # Rows of a batch -> resets and decisions flown by each row; an episode is at most 211 of them.
-EVENTS = {1: 750, 2: 750, 7: 750, 64: 230}
+EVENTS = {1: 750, 2: 750, 7: 750, 64: 320}
 COLUMNS = (*INFO, "is_success")
 RESET, STEP = 0, 1
 # Besides every id on every level of information, whatever adds records or draws.
