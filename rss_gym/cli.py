@@ -382,12 +382,10 @@ def _study(options: argparse.Namespace) -> int:
     for section in studies.STUDIES[options.name](scale):
         print(section.text, flush=True)
         sections.append(section)
+        if options.out:  # after each: an interrupted study keeps what it has flown
+            write_text(options.out, studies.page(options.name, sections))
     missed = [str(criterion) for section in sections for criterion in section.criteria if not criterion.met]
     print(f"{sum(len(section.criteria) for section in sections) - len(missed)} criteria met, {len(missed)} missed")
-    if options.out:
-        command = f"Made by `rss-gym study {options.name}`, which flies all of it anew."
-        pages = [f"# Study: {options.name}", "", command, "", *(section.markdown for section in sections)]
-        write_text(options.out, "\n".join(pages))
     return 0
 
 
