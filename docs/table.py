@@ -16,6 +16,7 @@ import flights
 import opponents
 
 from rss_gym import baselines
+from rss_gym.baselines import policy_files
 from rss_gym.encounters import FAMILIES
 from rss_gym.eval import Result, evaluate
 from rss_gym.eval.suites import find
@@ -99,7 +100,7 @@ class Job:
 def digest(name: str) -> str:
     """What a name alone does not tell of an agent."""
     agents = baselines.AGENTS
-    return baselines.agent.load(agents[name]).digest if name in agents else ""
+    return hashlib.sha256(b"".join(policy_files.read(agents[name]))).hexdigest() if name in agents else ""
 
 
 def rules(level: str) -> tuple[str, ...]:
