@@ -8,13 +8,15 @@ from rss_gym.eval.blind import cheapest
 from rss_gym.eval.suites import SUITES
 
 EPISODES = 2000
+# Five written geometries can be learned by heart, so one displacement may clear all of them; the other is a short one.
+KNOWN = ("degenerate-v0", "smoke-v0")
 BEST, RULE = 1.5, 1.0  # times the cost of the best scripted policy, and of the paper's rule at its cheapest radius
 RADII_M = (30, 40, 60, 80, 110)
 SCRIPTED = ("orca", "mvp", "cbf", "mpc", "modified-orthogonal")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suite", [name for name in SUITES if name != "smoke-v0"])
+@pytest.mark.parametrize("suite", [name for name in SUITES if name not in KNOWN])
 def test_nothing_blind_leads(suite):
     flown = SUITES[suite]
     episodes = min(EPISODES, flown.episodes)
