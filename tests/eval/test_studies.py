@@ -33,7 +33,7 @@ def test_the_study_trains_with_the_settings_of_the_example():
     vec = {name: ast.literal_eval(value) for name, value in found["make_vec_env"].items()}
     assert vec == {"n_envs": learning.ROWS, "seed": 0}
     assert found["prices"] == learning.WORLD
-    assert found["options"] == learning.OPTIONS | {"seed": 0, "device": "cpu"}
+    assert found["options"] == learning.OPTIONS
     assert ast.literal_eval(found["VecNormalize"]["norm_obs"]) is False
     rate = found["PPO"]["learning_rate"].body
     assert learning.LEARNING_RATE in [n.value for n in ast.walk(rate) if isinstance(n, ast.Constant)]
