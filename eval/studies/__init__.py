@@ -1,6 +1,6 @@
 """Studies: what the product claims of its world, flown and printed by `rss-gym study NAME`.
 
-A new study is one package with `run(options) -> list of Section` and one line in `STUDIES`.
+A new study is one package with `run(scale)`, an iterator of sections, and one line in `STUDIES`.
 """
 
 from __future__ import annotations

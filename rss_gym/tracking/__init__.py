@@ -6,22 +6,17 @@ message, `fused` filters messages, velocities and range, `bearings` knows ranges
 
 from typing import Any, Final, Protocol
 
-import numpy as np
-
 from rss_gym.tracking import bank
 from rss_gym.tracking.models import MODEL, model
 from rss_gym.tracking.record import BANK, BEARINGS, FUSED, FUSED_COLUMNS, LATEST, TRACK
 
 TRACKERS: Final = {"latest": LATEST, "fused": FUSED, "bearings": BEARINGS}
 
-__all__ = ["BEARINGS", "FUSED", "LATEST", "MODEL", "TRACK", "TRACKERS", "Tracker", "memory_columns", "model", "tracks"]
+__all__ = ["BEARINGS", "FUSED", "LATEST", "MODEL", "TRACK", "TRACKERS", "Tracker", "memory_columns", "model"]
 
 
 class Tracker(Protocol):
-    """A module of two kernels."""
-
-    def start(self, memory: Any) -> None:
-        """Forget the episode before; `memory` is one row of floats."""
+    """A module with one kernel; a memory of zeros has seen nothing of the episode."""
 
     def advance(self, own: Any, other: Any, memory: Any, track: Any, model: Any) -> None:
         """Advance by a decision, or open with the first message, and write `track`.
@@ -44,8 +39,3 @@ def memory_columns(tracker: str) -> int:
     if tracker == "bearings":
         return BANK + bank.SIZE
     return FUSED_COLUMNS if tracker == "fused" else 1
-
-
-def tracks(n: int, intruders: int) -> np.ndarray:
-    """Track records of `n` rows, all invalid. Shape (n, intruders)."""
-    return np.zeros((n, intruders), TRACK)

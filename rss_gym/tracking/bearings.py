@@ -15,12 +15,6 @@ KEEP = 0.05  # the other side must be this much more probable than one half
 bank_start, bank_advance, sides, summed = bank.start, bank.advance, bank.sides, bank.summed
 
 
-@kernel(forceinline=True)
-def start(memory):
-    """Forget the episode before."""
-    memory[OPEN] = 0.0
-
-
 @kernel
 def advance(own, other, memory, track, model):
     """Advance the bank of one intruder by a decision and write its track. Arguments: see `tracking.Tracker`."""

@@ -215,12 +215,6 @@ def take_range(m, other, track, model):
     )
 
 
-@kernel(forceinline=True)
-def start(memory):
-    """Forget the episode before."""
-    memory[OPEN] = 0.0
-
-
 @kernel
 def advance(own, other, memory, track, model):
     """Advance the filter of one intruder by a decision and write its track. Arguments: see `tracking.Tracker`."""

@@ -14,12 +14,6 @@ def vertical_m2(own, other, model):
     return 0.0 if model.planar else mine + theirs
 
 
-@kernel(forceinline=True)
-def start(memory):
-    """Forget the episode before; there is nothing to remember."""
-    memory[0] = 0.0
-
-
 @kernel
 def advance(own, other, memory, track, model):
     """Write the track of one intruder. Arguments as for every tracker, `tracking.Tracker`."""

@@ -106,7 +106,7 @@ def test_an_episode_before_is_forgotten(constants):
     memory, track = sensing.empty("bearings")
     bearings.advance(*sensing.records(range_m=40.0), memory, track, constants)
     bearings.advance(*sensing.records(range_m=38.0), memory, track, constants)
-    bearings.start(memory)
+    memory[:] = 0.0
     bearings.advance(*sensing.records(), memory, track, constants)
     fresh, alone = sensing.empty("bearings")
     bearings.advance(*sensing.records(), fresh, alone, constants)

@@ -136,7 +136,7 @@ def test_an_episode_before_is_forgotten():
     memory, track = sensing.empty("fused")
     constants = sensing.world()
     fused.advance(*sensing.records(position_m=(-20.0, 40.0, 0.0)), memory, track, constants)
-    fused.start(memory)
+    memory[:] = 0.0
     fused.advance(*sensing.records(), memory, track, constants)
     fresh, alone = sensing.empty("fused")
     fused.advance(*sensing.records(), fresh, alone, constants)
