@@ -5,10 +5,10 @@ from pathlib import Path
 
 from opponents import put
 
-from rss_gym.calibration.calibrate import Calibration, calibrate
-from rss_gym.calibration.compare import FIGURES
 from rss_gym.calibration.logs import read
-from rss_gym.calibration.output import cell
+from rss_gym.eval.studies.calibration.calibrate import Calibration, calibrate
+from rss_gym.eval.studies.calibration.compare import FIGURES
+from rss_gym.eval.studies.calibration.text import cell
 
 PAGE = Path(__file__).resolve().with_suffix(".md")
 # Folder below DATA_FOLDER: what it is, the logs to fit, the logs to test.

@@ -321,9 +321,9 @@ def _export(options: argparse.Namespace) -> None:
 
 
 def _calibrate(options: argparse.Namespace) -> None:
-    from rss_gym.calibration import output
-    from rss_gym.calibration.calibrate import calibrate
     from rss_gym.calibration.logs import read
+    from rss_gym.eval.studies.calibration import output
+    from rss_gym.eval.studies.calibration.calibrate import calibrate
     from rss_gym.params import ParamsError
 
     output.check_outputs(options.out, options.report)

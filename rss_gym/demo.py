@@ -13,12 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rss_gym.baselines import AGENTS, able
-from rss_gym.calibration.calibrate import calibrate
 from rss_gym.calibration.logs import read
-from rss_gym.calibration.output import comment, part
 from rss_gym.eval import evaluate, records, report, text
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.report import charts, tables
+from rss_gym.eval.studies.calibration.calibrate import calibrate
+from rss_gym.eval.studies.calibration.output import comment
+from rss_gym.eval.studies.calibration.text import part
 from rss_gym.eval.suites import find
 from rss_gym.files import check_new
 from rss_gym.pages import page

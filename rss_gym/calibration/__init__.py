@@ -1,1 +1,1 @@
-"""Calibration of a channel from radio logs: readers, the fit, and the estimators compared on held-out flights."""
+"""Readers of radio logs, and the fit; `rss_gym.eval.studies.calibration` compares the estimators on them."""

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rss_gym.calibration.calibrate import calibrate
 from rss_gym.calibration.logs import LogRecord
+from rss_gym.eval.studies.calibration.calibrate import calibrate
 from rss_gym.params import Channel
 from rss_gym.radio import simulate
 

@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rss_gym.calibration.calibrate import calibrate
-from rss_gym.calibration.compare import compare
 from rss_gym.calibration.fit import fit
-from rss_gym.calibration.methods import METHODS, available, ranges
-from rss_gym.calibration.tune import GRID, SHARE, tune
+from rss_gym.eval.studies.calibration.calibrate import calibrate
+from rss_gym.eval.studies.calibration.compare import compare
+from rss_gym.eval.studies.calibration.methods import METHODS, available, ranges
+from rss_gym.eval.studies.calibration.tune import GRID, SHARE, tune
 from rss_gym.params import ParamsError
 
 CONSTANT = {"constant": METHODS["constant"]}

@@ -7,8 +7,8 @@ import re
 import gymnasium as gym
 import pytest
 
-from rss_gym.calibration import output, report
 from rss_gym.cli import main
+from rss_gym.eval.studies.calibration import output, report
 from rss_gym.params import load_channel
 
 

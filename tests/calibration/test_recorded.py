@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from rss_gym.calibration.calibrate import calibrate
 from rss_gym.calibration.logs import read
+from rss_gym.eval.studies.calibration.calibrate import calibrate
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("RSS_GYM_DATA") or ROOT.parent / "shared" / "data")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rss_gym.calibration.fit import Fit
-from rss_gym.calibration.methods import WINDOW_S, Method, ranges
+from rss_gym.eval.studies.calibration.methods import WINDOW_S, Method, ranges
 from rss_gym.ranging.track import Tuning
 
 SHARE = 0.8

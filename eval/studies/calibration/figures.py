@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.calibration.calibrate import Calibration
-from rss_gym.calibration.compare import SHARES
 from rss_gym.calibration.logs import LogRecord
-from rss_gym.calibration.output import printable
 from rss_gym.checks import Floats
+from rss_gym.eval.studies.calibration.calibrate import Calibration
+from rss_gym.eval.studies.calibration.compare import SHARES
+from rss_gym.eval.studies.calibration.text import printable
 from rss_gym.pages.figure import COLOURS, INK, MUTED, NOMINAL, figure
 from rss_gym.radio import GaussMarkov, allan_model, received
 

@@ -6,10 +6,10 @@ import json
 from collections.abc import Iterable, Sequence
 
 import rss_gym
-from rss_gym.calibration import figures
-from rss_gym.calibration.calibrate import Calibration
-from rss_gym.calibration.compare import FIGURES, RECORDS_MIN, Figure
-from rss_gym.calibration.output import part
+from rss_gym.eval.studies.calibration import figures
+from rss_gym.eval.studies.calibration.calibrate import Calibration
+from rss_gym.eval.studies.calibration.compare import FIGURES, RECORDS_MIN, Figure
+from rss_gym.eval.studies.calibration.text import part
 from rss_gym.pages.figure import COLOURS
 from rss_gym.pages.page import Section, render, text
 from rss_gym.radio.identify import MISFIT

@@ -11,17 +11,18 @@ from pathlib import Path
 from typing import Any
 
 import rss_gym
-from rss_gym.calibration.calibrate import Calibration
-from rss_gym.calibration.compare import FIGURES, Figure
 from rss_gym.calibration.fit import Fit
 from rss_gym.calibration.logs import LogRecord
+from rss_gym.eval.studies.calibration.calibrate import Calibration
+from rss_gym.eval.studies.calibration.compare import FIGURES
+from rss_gym.eval.studies.calibration.report import markup
+from rss_gym.eval.studies.calibration.text import cell, part
 from rss_gym.files import check_new, new_folder
 from rss_gym.pages.figure import require_figures
 from rss_gym.params import ParamsError, load_channel
 from rss_gym.radio import save_channel
 
 JSON, PAGE = "calibration.json", "index.html"
-_NAMED = 12  # logs in a comment
 _WIDTH = 116
 
 
@@ -63,8 +64,6 @@ def save(result: Calibration, out: str | os.PathLike[str], report: str | os.Path
     if report is None:
         save_channel(result.fit.channel, out, comment(result))
         return
-    from rss_gym.calibration.report import markup
-
     with new_folder(report) as folder:
         (folder / PAGE).write_text(markup(result), encoding="utf-8")
         (folder / JSON).write_text(json.dumps(to_dict(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
@@ -85,22 +84,6 @@ def comment(result: Calibration) -> str:
         *(f"Warning: {warning}." for warning in fit.warnings),
     ]
     return "\n".join(piece for line in lines for piece in textwrap.wrap(line, _WIDTH))
-
-
-def part(records: Sequence[LogRecord], whole: bool, share: str) -> str:
-    """Samples, links and logs of one part: `7,694 samples of 12 links in straight_01.csv, straight_02.csv`."""
-    names = [printable(name) for name in dict.fromkeys(record.source for record in records)]
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    links = len({record.link for record in records})
-    return (
-        f"{sum(len(record.time_s) for record in records):,} samples of {links} link{'s' if links > 1 else ''} in "
-        f"{'' if whole else f'the {share} of '}{', '.join(names[:_NAMED])}{more}"
-    )
-
-
-def printable(name: str) -> str:
-    """A name from outside without line breaks and control characters."""
-    return "".join(c if c.isprintable() else "?" for c in name)
 
 
 def to_dict(result: Calibration) -> dict[str, Any]:
@@ -191,9 +174,3 @@ def _factors(fit: Fit) -> str:
         return f"{value:.2f} ± {fits[0].path_loss_factor_std:.2g}"
     factors = [one.path_loss_factor for one in fits]
     return f"{value:.2f}, the median of {len(fits)} links, {min(factors):.2f} to {max(factors):.2f}"
-
-
-def cell(figure: Figure) -> str:
-    """Value, and interval if there is one."""
-    ends = "" if figure.low is None or figure.high is None else f" [{figure.low:.2f}, {figure.high:.2f}]"
-    return f"{figure.value:.2f}{ends}"

@@ -6,11 +6,11 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rss_gym.calibration.compare import Score, compare
 from rss_gym.calibration.fit import Fit, fit
 from rss_gym.calibration.logs import LogRecord
-from rss_gym.calibration.methods import Method, available
-from rss_gym.calibration.tune import tune
+from rss_gym.eval.studies.calibration.compare import Score, compare
+from rss_gym.eval.studies.calibration.methods import Method, available
+from rss_gym.eval.studies.calibration.tune import tune
 from rss_gym.params import ParamsError
 from rss_gym.ranging.track import Tuning
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from rss_gym.calibration.fit import Fit
 from rss_gym.calibration.logs import LogRecord
-from rss_gym.calibration.methods import Method, ranges
 from rss_gym.checks import Floats
+from rss_gym.eval.studies.calibration.methods import Method, ranges
 from rss_gym.ranging.track import Tuning
 
 CONFIDENCE = 0.95
