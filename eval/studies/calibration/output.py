@@ -13,9 +13,9 @@ from typing import Any
 import rss_gym
 from rss_gym.calibration.fit import Fit
 from rss_gym.calibration.logs import LogRecord
+from rss_gym.eval.studies.calibration import report as page
 from rss_gym.eval.studies.calibration.calibrate import Calibration
 from rss_gym.eval.studies.calibration.compare import FIGURES
-from rss_gym.eval.studies.calibration.report import markup
 from rss_gym.eval.studies.calibration.text import cell, part
 from rss_gym.files import check_new, new_folder
 from rss_gym.pages.figure import require_figures
@@ -65,7 +65,7 @@ def save(result: Calibration, out: str | os.PathLike[str], report: str | os.Path
         save_channel(result.fit.channel, out, comment(result))
         return
     with new_folder(report) as folder:
-        (folder / PAGE).write_text(markup(result), encoding="utf-8")
+        (folder / PAGE).write_text(page.markup(result), encoding="utf-8")
         (folder / JSON).write_text(json.dumps(to_dict(result), indent=1, allow_nan=False) + "\n", encoding="utf-8")
         save_channel(result.fit.channel, out, comment(result))
 
