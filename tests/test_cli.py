@@ -135,5 +135,5 @@ def test_a_folder_below_a_file_is_refused(capsys, tmp_path):
 
 
 def test_help_needs_nothing_heavy():
-    code = "import sys; from rss_gym.cli import _parser; _parser(); assert 'numba' not in sys.modules"
+    code = "import sys; from rss_gym.cli import parser; parser(); assert 'numba' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

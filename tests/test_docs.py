@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rss_gym import baselines
-from rss_gym.cli import _parser
+from rss_gym.cli import parser
 from rss_gym.eval import road
 from rss_gym.eval.suites import SUITES
 from rss_gym.ids import IDS, ROADS
@@ -72,7 +72,7 @@ def commands():
 
 @pytest.mark.parametrize("command", commands())
 def test_commands_parse(command):
-    options = _parser().parse_args(command.split()[1:])
+    options = parser().parse_args(command.split()[1:])
     if options.command == "eval" and options.suite not in road.SUITES:
         for spec in options.policy:
             if "/" not in spec:

@@ -1,0 +1,44 @@
+"""The commands of `rss-gym`, one file each.
+
+A module defines `HELP`, one line; `add(parser)`, which declares its options; and `run(options)`, which carries the
+command out and returns its exit status (None is 0). What is heavy is imported in `run`, so that `rss-gym --help`
+answers at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+from typing import Protocol
+
+# Name of the command -> module in this package, in the order of the help.
+COMMANDS: dict[str, str] = {
+    "list": "listing",
+    "eval": "eval",
+    "verify": "verify",
+    "leaderboard": "leaderboard",
+    "train": "train",
+    "export": "export",
+    "calibrate": "calibrate",
+    "paper": "paper",
+    "study": "study",
+    "demo": "demo",
+}
+
+
+class Command(Protocol):
+    """What a module of `COMMANDS` defines."""
+
+    HELP: str
+
+    def add(self, parser: argparse.ArgumentParser) -> None:
+        """Declare the options."""
+
+    def run(self, options: argparse.Namespace) -> int | None:
+        """Carry the command out; returns the exit status, None for 0."""
+
+
+def load(name: str) -> Command:
+    """The module of the command `name`."""
+    module: Command = importlib.import_module(f"{__name__}.{COMMANDS[name]}")  # type: ignore[assignment]
+    return module

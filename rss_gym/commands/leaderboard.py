@@ -1,0 +1,23 @@
+"""`rss-gym leaderboard`: one page of ranked tables from several records."""
+
+from __future__ import annotations
+
+import argparse
+
+HELP = "one page of ranked tables from several records"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("folders", nargs="+", metavar="DIR", help="folders with scores.json")
+    parser.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the page and print its place."""
+    from rss_gym.eval import leaderboard
+
+    site = leaderboard.build(options.folders, options.out)
+    for note in site.notes:
+        print(note)
+    print(f"leaderboard: {site.page}")

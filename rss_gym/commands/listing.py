@@ -1,0 +1,28 @@
+"""`rss-gym list`: what there is to choose from."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+HELP = "ids, policies, channel presets, families, recipes and suites"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--json", action="store_true", help="print the lists as JSON")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print the lists."""
+    from rss_gym.listing import listing
+
+    content = listing()
+    if options.json:
+        print(json.dumps(content, indent=1))
+        return
+    for title, rows in content.items():
+        print(f"{title}:")
+        width = max(len(name) for name in rows)
+        for name, text in rows.items():
+            print(f"  {name:<{width}}  {text}")

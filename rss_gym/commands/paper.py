@@ -1,0 +1,27 @@
+"""`rss-gym paper`: every figure and number of the paper."""
+
+from __future__ import annotations
+
+import argparse
+
+HELP = "every figure and number of the paper, beside what comes out"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--out", required=True, metavar="DIR", help="new folder for paper.json and index.html")
+    parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn (default: 0)")
+    parser.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Compute, write the page and print the summary."""
+    from rss_gym.eval import paper
+    from rss_gym.files import check_new
+
+    check_new(options.out)
+    reproduction = paper.reproduce(paper.QUICK if options.quick else None, options.seed)
+    folder = paper.write(reproduction, options.out)
+    print(reproduction.summary)
+    print(f"numbers: {folder / paper.NUMBERS}")
+    print(f"page: {folder / paper.PAGE}")

@@ -1,0 +1,64 @@
+"""`rss-gym train`: train agents by a recipe, or go on with a run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from rss_gym.commands.shared import add_channel, add_workers, count
+
+HELP = "train agents by a recipe, or go on with a run"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("recipe", nargs="?", metavar="RECIPE", help="name of a shipped recipe, or a TOML file")
+    parser.add_argument("--env", metavar="ID", help="train in another id than the recipe's")
+    parser.add_argument("--steps", type=count, metavar="N", help="decisions of one seed, over all rows")
+    parser.add_argument(
+        "--seeds", type=count, metavar="N", help="number of trainings that differ in their seed only (default: 1)"
+    )
+    add_workers(parser, "processes, each with one seed at a time (default: 1)")
+    add_channel(parser)
+    parser.add_argument("--information", metavar="LEVEL", help="oracle, positions or ranges")
+    parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder from its checkpoints")
+    parser.add_argument(
+        "--set",
+        nargs="+",
+        action="extend",
+        metavar="KEY=VALUE",
+        help="change the recipe, such as algorithm.learning_rate=3e-4 world.comfort_m=30",
+    )
+    parser.add_argument("--out", metavar="RUN", help="new folder for the run")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Train."""
+    from rss_gym.params import ParamsError
+    from rss_gym.train import recipe, road, run
+
+    changes = recipe.parse_changes(options.set or [])
+    short = {"recipe.env": options.env, "recipe.steps": options.steps}
+    short |= {"world.channel": options.channel, "world.information": options.information}
+    changes |= {key: value for key, value in short.items() if value is not None}
+    try:
+        if options.resume is None:
+            if options.recipe is None or options.out is None:
+                shipped = ", ".join(recipe.recipes())
+                raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
+            seeds = 1 if options.seeds is None else options.seeds
+            if road.is_road(options.recipe):
+                road.start(road.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            else:
+                run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+        else:
+            if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
+                raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")
+            run.resume(options.resume, options.workers)
+    except KeyboardInterrupt:
+        how = f"go on with rss-gym train --resume {options.resume or options.out}"
+        if options.resume is None and road.is_road(options.recipe):
+            how = "a training on a road is short and begins anew"
+        print(f"rss-gym: interrupted; {how}", file=sys.stderr)
+        return 130
+    return 0

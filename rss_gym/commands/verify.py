@@ -1,0 +1,33 @@
+"""`rss-gym verify`: recompute the metrics of a record and fly some of its episodes again."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from rss_gym.commands.shared import add_workers, see_modules_here
+
+HELP = "recompute a record's metrics and fly some of its episodes again"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("folder", metavar="DIR", help="folder with scores.json")
+    parser.add_argument("--all", action="store_true", dest="every", help="fly all episodes again, not 1 %% of them")
+    parser.add_argument("--seed", type=int, default=0, help="draws another sample of episodes (default: 0)")
+    parser.add_argument("--trust", action="store_true", help="run the code of policies given as module:attribute too")
+    add_workers(parser)
+    parser.add_argument("--json", action="store_true", help="print the verdict as JSON")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the verdict; 0 if the record is verified, 1 if not."""
+    from rss_gym.eval import verify
+
+    if options.trust:
+        see_modules_here()
+    verdict = verify.verify(
+        options.folder, every=options.every, trust=options.trust, seed=options.seed, workers=options.workers
+    )
+    print(json.dumps(verdict.to_dict(), indent=1) if options.json else verify.report(verdict))
+    return 0 if verdict.verified else 1
