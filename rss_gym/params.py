@@ -227,7 +227,8 @@ class Ranging(Group):
 
     estimator: str = choice("ekf-coloured", Estimator)
     process_noise_m2: float = number(64.0, 1e-6, 1e6)  # Var(w) a tick without psi
-    process_noise_psi_m2: float = number(0.5, 1e-6, 1e6)  # 2 Tv Delta sigma_v^2 of one broadcast velocity
+    # 2 Tv Delta sigma_v^2 of both velocities is 1; a slow radio needs somewhat more for errors as large as stated.
+    process_noise_psi_m2: float = number(1.2, 1e-6, 1e6)
     bearing_inflation: float = number(60.0, 0.0, 1e4)  # the bearing's error persists over this many ticks
     prior_range_m: float = number(160.0, 1.0, 1e4)
     prior_std_m: float = number(60.0, 0.1, 1e4)

@@ -62,13 +62,11 @@ def test_errors_are_as_stated_at_every_distance(channel, agent):
     truth = truth[heard]
     d = np.linalg.norm(truth, axis=-1)
     along, across, error = sensing.standardised(tracks["fused"][heard], truth)
-    # The range filter takes psi to be surer than a slow radio lets it: with GNSS on one side the track feels that.
-    most = 1.7 if agent == "gnss" and channel is SLOW else 1.5
     for low, high in BINS_M:
         inside = (d >= low) & (d < high)
         assert inside.sum() > 300
-        assert 0.4 < sensing.rms(along[inside]) < most
-        assert 0.4 < sensing.rms(across[inside]) < most
+        assert 0.4 < sensing.rms(along[inside]) < 1.5
+        assert 0.4 < sensing.rms(across[inside]) < 1.5
     _, _, held = sensing.standardised(tracks["latest"][heard], truth)
     near = d < 20.0
     assert sensing.rms(error[near]) < 0.65 * sensing.rms(held[near])
