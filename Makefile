@@ -35,7 +35,7 @@ bench: .venv/.bench ## step rates on one core, beside other environments
 	$(BIN)/python benchmarks/speed.py
 
 table: .venv/.done ## fly the policies and write their tables (half an hour on two idle cores; goes on where it was interrupted)
-	$(BIN)/python docs/table.py
+	$(BIN)/rss-gym study opponents --pages .
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -14,6 +14,7 @@ from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.params import Params, ParamsError
 
 FOLDER = Path(__file__).parent / "agents"
+CARD = "card.md"
 
 
 def found(folder: Path = FOLDER) -> dict[str, Path]:

@@ -13,7 +13,12 @@ from rss_gym.params import ParamsError
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
-    """Write a text file under a temporary name and rename it, so that no half-written file is ever seen.
+    """Write a text file in UTF-8 as `write_bytes` does."""
+    return write_bytes(path, text.encode("utf-8", errors="replace"))
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
+    """Write a file under a temporary name and rename it, so that no half-written file is ever seen.
 
     Raises
     ------
@@ -24,8 +29,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:80]}-", dir=target.parent)
         try:
-            with os.fdopen(handle, "w", encoding="utf-8", errors="replace", newline="\n") as file:
-                file.write(text)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
             os.chmod(temporary, 0o644)
             os.replace(temporary, target)
         except BaseException:

@@ -19,7 +19,10 @@ __all__ = ["announce", "cache_dir", "inner", "kernel"]
 # Parts of this package that hold no kernel and that none calls (tested): an edit there need not compile anything.
 _WITHOUT_KERNELS = {
     (name,)
-    for name in ("calibration", "eval", "train", "render", "pages", "commands", "cli.py", "files.py", "listing.py")
+    for name in (
+        *("calibration", "eval", "train", "render", "pages", "commands"),
+        *("arguments.py", "cli.py", "files.py", "listing.py"),
+    )
 }
 # The entry point for C is of no use here and takes time to compile.
 _OPTIONS = {"cache": True, "fastmath": False, "error_model": "numpy", "no_cfunc_wrapper": True}

@@ -1,9 +1,7 @@
 """Settings and fixtures for all tests."""
 
 import os
-import sys
 import warnings
-from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -16,8 +14,6 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile("same", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=1000, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "docs"))  # the scripts there are tested too
 
 IDS = ("rss_gym/Encounter-v0", "rss_gym/Encounter3D-v0", "rss_gym/EncounterRangeOnly-v0")
 INFORMATION = ("oracle", "positions", "ranges")

@@ -20,6 +20,6 @@ def test_block_runs(number, tmp_path, monkeypatch, capsys):
 
 
 def test_the_training_is_that_of_the_example():
-    """`tests/test_examples.py` runs it; `python docs/make.py` copies it anew."""
+    """`tests/test_examples.py` runs it; `rss-gym study readme` copies it anew."""
     example = (ROOT / "examples" / "sb3_ppo.py").read_text(encoding="utf-8")
     assert example.endswith(f'"""\n\n{QUOTED[1]}')

@@ -19,7 +19,7 @@ from typing import Any
 
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
-from rss_gym.baselines.shipped import FOLDER
+from rss_gym.baselines.shipped import CARD, FOLDER
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.text import cell
 from rss_gym.files import replaced_folder, write_text
@@ -31,7 +31,7 @@ from rss_gym.train.recipe import Recipe
 from rss_gym.train.run_record import AGENT, BEST, copy_policy
 from rss_gym.train.validation import Validator
 
-CARD, CURVES, CHART = "card.md", "curves.csv", "curves.svg"
+CURVES, CHART = "curves.csv", "curves.svg"
 NAME = re.compile("[a-z][a-z0-9-]{1,40}")
 COLUMNS: tuple[str, ...] = ("steps", "episodes", "cost_m", "cost_low_m", "cost_high_m", "collisions", "collision_rate")
 COLUMNS += ("collision_rate_low", "collision_rate_high", "snmac_rate", "path_deviation_mean_m", "best")

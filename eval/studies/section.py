@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from rss_gym.eval.studies.study import table
+
 
 @dataclass(frozen=True, slots=True)
 class Scale:
@@ -64,17 +66,13 @@ class Section:
     @property
     def text(self) -> str:
         """For a terminal."""
-        table = [list(self.header), *map(list, self.rows)]
-        widths = [max(len(row[column]) for row in table) for column in range(len(self.header))]
-        lines = [
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table
-        ]
+        grid = [list(self.header), *map(list, self.rows)]
+        widths = [max(len(row[column]) for row in grid) for column in range(len(self.header))]
+        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in grid]
         return "\n".join([self.title, self.how, "", *lines, "", *map(str, self.criteria), ""])
 
     @property
     def markdown(self) -> str:
         """For the docs."""
-        rows = [self.header, ["---"] * len(self.header), *self.rows]
-        table = [f"| {' | '.join(row)} |" for row in rows]
         criteria = [f"- {criterion}" for criterion in self.criteria]
-        return "\n".join([f"## {self.title}", "", self.how, "", *table, "", *criteria, ""])
+        return "\n".join([f"## {self.title}", "", self.how, "", table(self.header, self.rows), "", *criteria, ""])

@@ -1,17 +1,22 @@
-"""Studies: their sections, and that the one of learning trains with what the example shows."""
+"""Studies: their sections, their records and pages, and that the one of learning trains with what the example shows."""
 
+import argparse
 import ast
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rss_gym import cli
-from rss_gym.eval.studies import Scale
-from rss_gym.eval.studies.section import Criterion, Section
+from rss_gym.eval import studies
+from rss_gym.eval.studies.section import Criterion, Scale, Section
+from rss_gym.eval.studies.study import Job, Part, fly, read
 from rss_gym.eval.studies.world import leak, learning, order, radio, rows, sensor
+from rss_gym.params import ParamsError
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "sb3_ppo.py"
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "examples" / "sb3_ppo.py"
 TINY = Scale(episodes=40, workers=1, decisions=0, seeds=0)
 
 
@@ -73,3 +78,69 @@ def test_return_and_cost_are_those_of_the_flights(monkeypatch):
 def test_an_unknown_study_is_refused_by_name(capsys):
     assert cli.main(["study", "wrold"]) == 2
     assert "study 'wrold' is unknown; did you mean 'world'?" in capsys.readouterr().err
+
+
+def test_docs_hold_no_python():
+    assert list((ROOT / "docs").rglob("*.py")) == []
+
+
+def test_the_command_names_every_study(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["study", "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    *most, last = studies.STUDIES
+    assert f"{', '.join(most)} or {last}" in shown
+
+
+@pytest.mark.parametrize("name", studies.STUDIES)
+def test_every_study_can_be_called(name, capsys):
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["study", name, "--help"])
+    assert stop.value.code == 0 and "--pages" in capsys.readouterr().out
+
+
+def test_a_part_stands_between_its_marks(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("a\n<!-- one -->\nold\n<!-- /one -->\nb\n")
+    Part("new\\1", "page.md", mark="one").put(tmp_path)
+    assert page.read_text() == "a\n<!-- one -->\nnew\\1\n<!-- /one -->\nb\n"
+    Part("shown", "whole.bin", b"content").put(tmp_path)
+    assert (tmp_path / "whole.bin").read_bytes() == b"content"
+    Part("only printed").put(tmp_path)
+    with pytest.raises(ParamsError, match="must have the marks <!-- two --> once, got 0 times"):
+        Part("new", "page.md", mark="two").put(tmp_path)
+    with pytest.raises(ParamsError, match="--pages names the root of a clone"):
+        Part("new", "missing.md", mark="one").put(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["opponents", "roads", "paper", "calibration", "readme"])
+def test_the_pages_of_the_studies_have_their_marks(name):
+    source = "\n".join(path.read_text() for path in (ROOT / "eval" / "studies").glob(f"{name}*/*.py"))
+    source += "\n".join(path.read_text() for path in (ROOT / "eval" / "studies").glob(f"{name}.py"))
+    marks = re.findall(r'mark="(\w+)"', source)
+    assert marks
+    pages = "\n".join(path.read_text() for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+    assert [mark for mark in marks if f"<!-- {mark} -->" not in pages or f"<!-- /{mark} -->" not in pages] == []
+
+
+def test_a_record_on_disk_is_not_flown_again(tmp_path, capsys, monkeypatch):
+    job = Job("tiny", "encounter-v0", ("stop",), 20)
+    folders = fly([job], 1, tmp_path / "runs")
+    rows = read(folders.values())
+    assert rows["stop"].episodes == 20 and "1 records, 0 of them flown before" in capsys.readouterr().out
+    monkeypatch.setattr(Job, "fly", None)
+    assert fly([job], 1, tmp_path / "runs") == folders
+    assert Job("tiny", "encounter-v0", ("stop",), 21).folder != job.folder
+
+
+def test_the_study_of_the_readme_gives_what_it_shows():
+    pytest.importorskip("PIL")
+    parts = list(studies.load("readme").run(argparse.Namespace(pages=ROOT)))
+    pages = (ROOT / "README.md").read_text() + (ROOT / "docs" / "agents.md").read_text()
+    assert [part.mark for part in parts if part.mark and part.text not in pages] == []
+    assert parts[-1].content.startswith(b"\x89PNG")
+
+
+def test_calibration_says_which_folder_it_needs(tmp_path, capsys):
+    assert cli.main(["study", "calibration", str(tmp_path)]) == 2
+    assert "has no folder 'ble_tracks'" in capsys.readouterr().err

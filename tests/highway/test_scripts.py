@@ -1,10 +1,16 @@
-"""The example, the benchmark and the picture run."""
+"""The example, the benchmark, the picture and the table run."""
 
 import importlib.util
+import io
 import sys
 from pathlib import Path
 
 import pytest
+
+from rss_gym.baselines.shipped import CARD
+from rss_gym.eval import road
+from rss_gym.eval.studies import roads
+from rss_gym.train.road.ship import ship
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,25 +40,26 @@ def test_benchmark(monkeypatch, capsys):
     assert capsys.readouterr().out.count("decisions/s") == 3
 
 
-def test_a_driver_is_shipped_with_its_card(monkeypatch, tmp_path):
-    module = run(ROOT / "docs" / "highway.py", monkeypatch)
+def test_a_driver_is_shipped_with_its_card(tmp_path):
     agent = tmp_path / "run" / "agent"
     agent.mkdir(parents=True)
-    for name in ("policy.json", "policy.safetensors", "card.md"):
+    for name in ("policy.json", "policy.safetensors", CARD):
         (agent / name).write_text(name)
-    (agent / "card.md").write_text("# Driver `highway`, seed 0 of 3\n")
+    (agent / CARD).write_text("# Driver `highway`, seed 0 of 3\n")
     (tmp_path / "agents" / "mine").mkdir(parents=True)
     (tmp_path / "agents" / "mine" / "old").touch()
-    folder = module.ship(tmp_path / "run", "mine", tmp_path / "agents")
-    assert sorted(path.name for path in folder.iterdir()) == ["card.md", "policy.json", "policy.safetensors"]
-    assert (folder / "card.md").read_text() == "# Driver `mine`, seed 0 of 3\n"
+    folder = ship(tmp_path / "run", "mine", tmp_path / "agents")
+    assert sorted(path.name for path in folder.iterdir()) == [CARD, "policy.json", "policy.safetensors"]
+    assert (folder / CARD).read_text() == "# Driver `mine`, seed 0 of 3\n"
 
 
-def test_picture_and_table(monkeypatch, tmp_path):
+def test_picture_and_table(tmp_path, monkeypatch):
     pytest.importorskip("pygame")
-    pytest.importorskip("matplotlib")
-    module = run(ROOT / "docs" / "highway.py", monkeypatch)
-    assert module.picture().size == (module.WIDTH_PX, module.HEIGHT_PX)
-    record = module.road.save(module.road.evaluate(["rule"], episodes=2), tmp_path / "record")
-    lines = module.table(record).splitlines()
+    image = pytest.importorskip("PIL.Image")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")  # taken away by the picture, put back afterwards
+    from rss_gym.eval.studies.roads import picture
+
+    assert image.open(io.BytesIO(picture.picture())).size == (picture.WIDTH_PX, picture.HEIGHT_PX)
+    record = road.save(road.evaluate(["rule"], episodes=2), tmp_path / "record")
+    lines = roads.drivers(record).splitlines()
     assert lines[2].startswith("| `rule` | 2 |") and lines[3].startswith("| `none` | 2 |")  # the cheapest first

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rss_gym.baselines.road import World, make
+from rss_gym.baselines.shipped import CARD
 from rss_gym.files import check_new, write_text
 from rss_gym.params import ParamsError
 from rss_gym.train.road.recipe import RoadRecipe
@@ -20,8 +21,6 @@ from rss_gym.train.run_record import AGENT, BEST, FORMAT, RUN, check_count, copy
 
 if TYPE_CHECKING:
     from rss_gym.train.road.learner import Score
-
-CARD = "card.md"
 
 
 def start(

@@ -1,9 +1,9 @@
-"""The page of the policies from flown records: the tables of docs/opponents.md and the README, and the chart."""
+"""The tables and the chart of the policies, from flown records."""
 
-import json
+from __future__ import annotations
+
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,8 @@ from rss_gym.eval.costs import Prices
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.ranking import Candidate, Place
 from rss_gym.eval.reading import load
-from rss_gym.eval.records import SCORES, versions
+from rss_gym.eval.studies.study import ScoreRow, read, table
 from rss_gym.eval.text import cell
-from rss_gym.files import write_text
 from rss_gym.pages import figure, page
 
 TICKS_M = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -26,36 +25,6 @@ COLUMNS = {
     "path_deviation_mean_m": ("mean deviation, m", ".2f"),
     "unnecessary_manoeuvre_rate": ("unnecessary manoeuvres", ".3f"),
 }
-
-
-@dataclass(frozen=True)
-class Row:
-    """One policy's scores."""
-
-    spec: str
-    episodes: int
-    metrics: dict[str, Estimate]
-
-    def cell(self, name: str, form: str, interval: bool = True) -> str:
-        """A metric with its interval."""
-        return cell(self.metrics[name], 1.0, form, interval)
-
-
-def read(folders: Iterable[Path]) -> dict[str, Row]:
-    """The policies of records over the same encounters."""
-    rows = {}
-    for folder in folders:
-        scores = json.loads((folder / SCORES).read_text(encoding="utf-8"))
-        for policy in scores["policies"]:
-            metrics = {name: Estimate(**value) for name, value in policy["metrics"].items()}
-            rows[policy["spec"]] = Row(policy["spec"], scores["episodes"], metrics)
-    return rows
-
-
-def table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown."""
-    lines = [titles, ["---"] * len(titles), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def ranked(folders: Sequence[Path]) -> str:
@@ -74,14 +43,14 @@ def ranked(folders: Sequence[Path]) -> str:
     return table(titles, (_line(place, rows[place.name]) for place in places))
 
 
-def _line(place: Place, row: Row) -> list[str]:
+def _line(place: Place, row: ScoreRow) -> list[str]:
     number = f"{place.place}{' *' if place.front else ''}" if place.place else f"**{place.why_not}**"
     difference = cell(Estimate(*place.difference, "m"), 1.0, "+.2f") if place.difference else ""
     cells = [row.cell(name, form) for name, (_, form) in COLUMNS.items()]
     return [number, f"`{row.spec}`", row.cell("cost_m", COST[1]), difference, *cells]
 
 
-def by_family(families: dict[str, dict[str, Row]]) -> str:
+def by_family(families: dict[str, dict[str, ScoreRow]]) -> str:
     """Cost and collision rate: a row a family, a column a policy; of the cheapest the cost is bold."""
     specs = list(dict.fromkeys(spec for rows in families.values() for spec in rows))
     lines = []
@@ -100,7 +69,9 @@ def by_family(families: dict[str, dict[str, Row]]) -> str:
 
 
 def chart(
-    panels: dict[str, dict[str, list[Row]]], none: dict[str, Row], single: dict[str, list[Row]] | None = None
+    panels: dict[str, dict[str, list[ScoreRow]]],
+    none: dict[str, ScoreRow],
+    single: dict[str, list[ScoreRow]] | None = None,
 ) -> str:
     """An SVG of its own: sNMACs over deviation along the curve of each rule, a panel a level of information.
 
@@ -129,7 +100,7 @@ def chart(
             axes.set_xticks(TICKS_M, [f"{tick}" for tick in TICKS_M])
             axes.minorticks_off()
         grid[0].set_ylabel("sNMACs per encounter (best: lower left)")
-        handles = {}
+        handles: dict[str, Any] = {}
         for axes in grid:
             handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         grid[0].figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
@@ -143,30 +114,16 @@ def picture(drawing: figure.Drawing) -> str:
     return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
 
 
-def _draw(axes: Any, rows: list[Row], colour: str, marker: str, label: str, **line: Any) -> None:
+def _draw(axes: Any, rows: list[ScoreRow], colour: str, marker: str, label: str, **line: Any) -> None:
     """Points with their intervals, hollow at the upper end of it where there was no sNMAC."""
     deviation = [row.metrics["path_deviation_mean_m"].value for row in rows]
     rates = [row.metrics["snmac_rate"] for row in rows]
-    heights = [rate.value or rate.high for rate in rates]
+    heights = [rate.value or rate.high or 0.0 for rate in rates]
     ends = [
         [height - (rate.low or height) for height, rate in zip(heights, rates, strict=True)],
-        [rate.high - height for height, rate in zip(heights, rates, strict=True)],
+        [(rate.high or height) - height for height, rate in zip(heights, rates, strict=True)],
     ]
     axes.errorbar(deviation, heights, ends, color=colour, elinewidth=0.8, **line)
     axes.plot([], [], marker=marker, color=colour, markersize=4, label=label, **line)  # for the legend
     for x, height, rate in zip(deviation, heights, rates, strict=True):
         axes.plot(x, height, marker, color=colour, markersize=4, fillstyle="full" if rate.value else "none")
-
-
-def put(path: Path, name: str, text: str) -> None:
-    """Replace what stands between the markers of that name of a file."""
-    marked = rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)"
-    content = path.read_text(encoding="utf-8")
-    write_text(path, re.sub(marked, lambda found: f"{found[1]}{text}\n{found[2]}", content, flags=re.DOTALL))
-
-
-def made(episodes: int | None = None, command: str = "make table") -> str:
-    """By what, as a sentence."""
-    used = ", ".join(f"{name} {number}" for name, number in versions().items())
-    count = f"{episodes:,} encounters, split `suite`, seed 0" if episodes else "Split `suite`, seed 0"
-    return f"{count}; 95 % intervals in brackets; made by `{command}` with {used}."

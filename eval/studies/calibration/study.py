@@ -1,17 +1,19 @@
-"""Makes the table of docs/calibration.md from recorded radio logs: python docs/calibration.py DATA_FOLDER (1 min)."""
+"""The estimators on recorded radio logs: the table of docs/calibration.md (a minute)."""
+
+from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from opponents import put
-
-from rss_gym.calibration.logs import read
+from rss_gym.calibration.logs import LogRecord, read
 from rss_gym.eval.studies.calibration.calibrate import Calibration, calibrate
 from rss_gym.eval.studies.calibration.compare import FIGURES
 from rss_gym.eval.studies.calibration.text import cell
+from rss_gym.eval.studies.study import Part
+from rss_gym.params import ParamsError
 
-PAGE = Path(__file__).resolve().with_suffix(".md")
-# Folder below DATA_FOLDER: what it is, the logs to fit, the logs to test.
+# Folder below DATA: what it is, the logs to fit, the logs to test.
 SETS = {
     "ble_tracks": (
         "Bluetooth Low Energy beacon among twelve sensors indoors",
@@ -37,7 +39,7 @@ def calibrated(folder: Path, name: str) -> Calibration:
     return calibrate(read(logs(folder / name, fitted)), read(logs(folder / name, tested)))
 
 
-def samples(records) -> str:
+def samples(records: Sequence[LogRecord]) -> str:
     """`7,687 samples of 5 logs`."""
     return f"{sum(len(r.time_s) for r in records):,} samples of {len({r.source for r in records})} logs"
 
@@ -68,14 +70,17 @@ def table(result: Calibration, name: str) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    """Write the tables between their markers."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path, metavar="DATA_FOLDER", help="folder with " + " and ".join(SETS))
-    folder = parser.parse_args().folder
-    tables = "\n\n".join(table(calibrated(folder, name), name) for name in SETS)
-    put(PAGE, "errors", tables)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Where the logs are."""
+    parser.add_argument("data", type=Path, metavar="DATA", help="folder with " + " and ".join(SETS))
 
 
-if __name__ == "__main__":
-    main()
+def run(options: argparse.Namespace) -> Iterator[Part]:
+    """One table a set."""
+    for name in SETS:
+        if not (options.data / name).is_dir():
+            raise ParamsError(
+                f"folder {str(options.data)!r} has no folder {name!r}; name the one that holds {', '.join(SETS)}"
+            )
+    tables = "\n\n".join(table(calibrated(options.data, name), name) for name in SETS)
+    yield Part(tables, "docs/calibration.md", mark="errors")

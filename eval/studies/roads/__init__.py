@@ -1,0 +1,56 @@
+"""Drivers on the highway: the table and the picture of docs/roads.md (a quarter of an hour on two cores)."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+from rss_gym.arguments import count
+from rss_gym.baselines.road import AGENTS
+from rss_gym.eval.policies import folder_name
+from rss_gym.eval.studies.study import Job, Part, fly, made, read, table
+from rss_gym.eval.text import cell
+
+SUITE, POLICIES = "highway-v0", ("none", "rule", "idm", *AGENTS)
+COLUMNS = {
+    "cost_m": ("cost, m", ".1f"),
+    "collision_rate": ("collisions", ".3f"),
+    "snmac_rate": ("near misses", ".3f"),
+    "path_deviation_mean_m": ("mean deviation, m", ".1f"),
+    "lane_deviation_m": ("off the planned lane, m", ".2f"),
+    "speed_deviation_mps": ("off the planned speed, m/s", ".2f"),
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What is driven, and how often."""
+    parser.add_argument(
+        "--policy", nargs="+", default=list(POLICIES), metavar="NAME", help="what to drive, agents' folders too"
+    )
+    parser.add_argument("--episodes", type=count, default=1000, metavar="N", help="drives of each (default: 1000)")
+    parser.add_argument(
+        "--record", type=Path, metavar="DIR", help="a record of `rss-gym eval --suite highway-v0`, in place of driving"
+    )
+
+
+def run(options: argparse.Namespace) -> Iterator[Part]:
+    """The picture, then the table."""
+    from rss_gym.eval.studies.roads.picture import picture
+
+    yield Part("picture: docs/highway.png", "docs/highway.png", picture())
+    record = options.record
+    if record is None:
+        job = Job("roads", SUITE, tuple(options.policy), options.episodes)
+        record = fly([job], options.workers, options.runs)[job.name]
+    yield Part(drivers(record), "docs/roads.md", mark="road")
+
+
+def drivers(record: Path) -> str:
+    """The rows of a record in Markdown, the cheapest first."""
+    rows = []
+    for row in sorted(read([record]).values(), key=lambda row: row.metrics["cost_m"].value or 0.0):
+        cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
+        rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
+    titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]
+    return f"{table(titles, rows)}\n\n{made('roads', None, 'highway-env')}"
