@@ -40,5 +40,5 @@ class Command(Protocol):
 
 def load(name: str) -> Command:
     """The module of the command `name`."""
-    module: Command = importlib.import_module(f"{__name__}.{COMMANDS[name]}")  # type: ignore[assignment]
+    module: Command = importlib.import_module(f"{__name__}.{COMMANDS[name]}")
     return module
