@@ -1,5 +1,6 @@
 """The evaluator: suites, flights, metrics with intervals, records."""
 
 from rss_gym.eval.evaluate import Result, evaluate
+from rss_gym.eval.parts import Part, fly, merge
 
-__all__ = ["Result", "evaluate"]
+__all__ = ["Part", "Result", "evaluate", "fly", "merge"]

@@ -16,7 +16,7 @@ import numpy as np
 
 from rss_gym import observation
 from rss_gym.eval.costs import Costs, Prices
-from rss_gym.eval.episodes import Block, fly
+from rss_gym.eval.episodes import Block, fly_episodes
 from rss_gym.eval.intervals import Interval, clopper_pearson
 from rss_gym.eval.suites import Suite, find
 from rss_gym.params import Params
@@ -182,7 +182,7 @@ def cheapest(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int
 
 def _flown(manoeuvre: Manoeuvre, world: Params, split: str, episodes: int, seed: int) -> Swept:
     blocks = [Block(split, seed, range(first, min(first + BLOCK, episodes))) for first in range(0, episodes, BLOCK)]
-    table = np.concatenate([fly(Blind(manoeuvre, world), manoeuvre.name, world, block)[0] for block in blocks])
+    table = np.concatenate([fly_episodes(Blind(manoeuvre, world), manoeuvre.name, world, block)[0] for block in blocks])
     rate = clopper_pearson(int(np.count_nonzero(table["collision"])), episodes)
     costs = Costs.of(table, Prices.of(world))
     return Swept(manoeuvre.name, costs.interval(), rate, float(np.mean(table["deviation_mean_m"])))

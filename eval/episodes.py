@@ -101,7 +101,7 @@ def sample_decisions(episode: np.ndarray, world: Params) -> np.ndarray:
     return np.array([int(uniform(e["key"], STREAM_SAMPLE, 0) * n) for e, n in zip(episode, decisions, strict=True)])
 
 
-def fly(
+def fly_episodes(
     policy: Any,
     name: str,
     world: Params,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
+from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +14,7 @@ import numpy as np
 from tqdm import tqdm
 
 from rss_gym.baselines import able
-from rss_gym.core import checked_seed
+from rss_gym.core import SEED_LIMIT, checked_seed
 from rss_gym.eval.costs import Prices
 from rss_gym.eval.episodes import Block, described
 from rss_gym.eval.metrics import Estimate, Flights, measure
@@ -38,7 +40,10 @@ class Scored:
 
 @dataclass(frozen=True)
 class Result:
-    """What `evaluate` returns: the run, and its policies in the order given, `none` first if it was not."""
+    """What `evaluate` returns: the run, and its policies in the order given, `none` first if it was not.
+
+    `episodes` is how many, and `first_episode` the number of the first of them.
+    """
 
     suite: Suite
     seed: int
@@ -46,21 +51,45 @@ class Result:
     official: bool
     policies: tuple[Scored, ...]
     reference: str
+    first_episode: int = 0
 
     def __getitem__(self, name: str) -> dict[str, Estimate]:
         """The metrics of the policy of that name."""
         return next(scored.metrics for scored in self.policies if scored.entry.name == name)
 
 
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What is to be flown: a suite as it is flown, whether that is its definition, the episodes, and the policies."""
+
+    suite: Suite
+    unchanged: bool
+    seed: int
+    episodes: range
+    entries: list[Entry]
+    named: list[bool]  # whether the specification builds it
+    reference: str
+
+    @property
+    def official(self) -> bool:
+        """Whether these are the suite's own encounters, and all of them."""
+        return self.unchanged and (self.seed, self.episodes) == (self.suite.seed, range(self.suite.episodes))
+
+    def score(self, tables: Sequence[np.ndarray]) -> Result:
+        """The result of these episode tables."""
+        return score(self.suite, self.seed, self.entries, tables, self.reference, self.official, self.episodes.start)
+
+
 def evaluate(
     policy: Any,
     suite: str | Suite = "encounter-v0",
-    episodes: int | None = None,
+    episodes: int | range | None = None,
     seed: int | None = None,
     workers: int = 1,
     reference: str | None = None,
     progress: bool | None = None,
     block: int = BLOCK,
+    executor: Executor | None = None,
     **changes: Any,
 ) -> Result:
     """Fly policies over the same encounters and compute every metric.
@@ -72,16 +101,22 @@ def evaluate(
         policy of the package that can fly in the world, at its defaults.
     suite : str or Suite
         What is flown.
-    episodes, seed : int, optional
-        Default: the suite's own, which make the run official.
+    episodes : int or range, optional
+        How many from number 0 on, or their numbers; default: the suite's own.
+    seed : int, optional
+        Default: the suite's own. Both together make the run official.
     workers : int
-        Processes. Policies given by name are built anew in each, objects are pickled.
+        Processes. Policies given by name are built anew in each, objects are pickled. A daemon process, such as a
+        worker of `multiprocessing.Pool`, may start none and flies everything itself.
     reference : str, optional
         Name of the policy that completed-only figures are compared with; default: the first one given.
     progress : bool, optional
         Show a progress bar; default: when the error stream is a terminal.
     block : int
         Episodes flown side by side, at most.
+    executor : concurrent.futures.Executor, optional
+        Where blocks of `block` episodes are flown, in place of `workers`: that of a Dask client, of loky, of MPI or
+        of threads. It is left open.
     **changes
         Any parameter of the world, such as `information`, `estimator`, `tracker` or `channel`; such a run is not
         official.
@@ -95,30 +130,84 @@ def evaluate(
     NotFiniteError
         When a state of the world is not finite, in this process or a worker: it names split, seed and episode.
     """
-    base = find(suite) if isinstance(suite, str) else suite
-    flown = base.changed(**changes)
-    given, entries, reference = _prepared(policy, flown, reference)
-    count = base.episodes if episodes is None else episodes
-    first_seed = base.seed if seed is None else checked_seed(seed)
-    for name, value in (("episodes", count), ("workers", workers), ("block", block)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-            raise ParamsError(f"{name} must be a whole number >= 1, got {value!r}")
+    run = prepared(policy, suite, episodes, seed, reference, **changes)
+    return run.score(fly_run(run, workers, block, executor, progress))
+
+
+def fly_run(
+    run: Run, workers: int = 1, block: int = BLOCK, executor: Executor | None = None, progress: bool | None = None
+) -> list[np.ndarray]:
+    """The episode table of each policy of a run; parameters and errors are those of `evaluate`."""
+    for name, value in (("workers", workers), ("block", block)):
+        _check_count(name, value)
+    if executor is not None and (workers > 1 or not callable(getattr(executor, "submit", None))):
+        raise ParamsError(
+            f"executor must be a concurrent.futures.Executor, with workers left at 1, got {executor!r} and "
+            f"workers = {workers}"
+        )
+    count = len(run.episodes)
     # As many blocks for each worker, all of nearly one size.
     size = math.ceil(count / (workers * math.ceil(count / (workers * block))))
     starts = range(0, count, size)
-    blocks = [Block(flown.split, first_seed, range(first, min(first + size, count))) for first in starts]
-    tables = [np.zeros(count, TABLE) for _ in entries]
-    named = [isinstance(item, str) for _, item in given]
+    blocks = [Block(run.suite.split, run.seed, run.episodes[first : first + size]) for first in starts]
+    tables = [np.zeros(count, TABLE) for _ in run.entries]
     show = sys.stderr.isatty() if progress is None else progress
     with (
-        closing(fly_blocks(entries, named, flown.params, blocks, workers)) as flying,
-        tqdm(total=count * len(entries), unit="flight", disable=not show, leave=False) as bar,
+        closing(fly_blocks(run.entries, run.named, run.suite.params, blocks, workers, executor)) as flying,
+        tqdm(total=count * len(tables), unit="flight", disable=not show, leave=False) as bar,
     ):
         for first, parts in zip(starts, flying, strict=True):
             for table, part in zip(tables, parts, strict=True):
                 table[first : first + len(part)] = part
-            bar.update(len(parts[0]) * len(entries))
-    return score(flown, first_seed, entries, tables, reference, official=_official(base, flown, first_seed, count))
+            bar.update(len(parts[0]) * len(tables))
+    return tables
+
+
+def prepared(
+    policy: Any,
+    suite: str | Suite = "encounter-v0",
+    episodes: int | range | None = None,
+    seed: int | None = None,
+    reference: str | None = None,
+    **changes: Any,
+) -> Run:
+    """What `evaluate` would fly with these parameters, without a flight.
+
+    Raises
+    ------
+    ParamsError
+    """
+    base = find(suite) if isinstance(suite, str) else suite
+    flown = base.changed(**changes)
+    given = _given(policy, flown.params)
+    entries = _entries(given, flown)
+    reference = reference or entries[1 if len(entries) > 1 else 0].name
+    if reference not in [item.name for item in entries]:
+        raise ParamsError(f"reference {reference!r} is not among the policies flown")
+    return Run(
+        suite=flown,
+        unchanged=flown.hash == base.hash,
+        seed=base.seed if seed is None else checked_seed(seed),
+        episodes=_numbers(base.episodes if episodes is None else episodes),
+        entries=entries,
+        named=[isinstance(item, str) for _, item in given],
+        reference=reference,
+    )
+
+
+def _numbers(episodes: Any) -> range:
+    """The numbers of the episodes."""
+    if isinstance(episodes, range):
+        if not (len(episodes) and episodes.step == 1 and 0 <= episodes.start and episodes.stop <= SEED_LIMIT):
+            raise ParamsError(f"episodes must be a range of step 1 within [0, 2**63) that is not empty, got {episodes}")
+        return episodes
+    _check_count("episodes", episodes)
+    return range(int(episodes))
+
+
+def _check_count(name: str, value: Any) -> None:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+        raise ParamsError(f"{name} must be a whole number >= 1, got {value!r}")
 
 
 def check(policy: Any, suite: str, reference: str | None = None, **changes: Any) -> None:
@@ -128,23 +217,17 @@ def check(policy: Any, suite: str, reference: str | None = None, **changes: Any)
     ------
     ParamsError
     """
-    _prepared(policy, find(suite).changed(**changes), reference)
-
-
-def _prepared(
-    policy: Any, suite: Suite, reference: str | None
-) -> tuple[list[tuple[str | None, Any]], list[Entry], str]:
-    """The policies as given and as entries, and which of them the others are compared with."""
-    given = _given(policy, suite.params)
-    entries = _entries(given, suite)
-    reference = reference or entries[1 if len(entries) > 1 else 0].name
-    if reference not in [item.name for item in entries]:
-        raise ParamsError(f"reference {reference!r} is not among the policies flown")
-    return given, entries, reference
+    prepared(policy, suite, reference=reference, **changes)
 
 
 def score(
-    suite: Suite, seed: int, entries: list[Entry], tables: list[np.ndarray], reference: str, official: bool
+    suite: Suite,
+    seed: int,
+    entries: Sequence[Entry],
+    tables: Sequence[np.ndarray],
+    reference: str,
+    official: bool,
+    first_episode: int = 0,
 ) -> Result:
     """Every metric of every policy from the episode tables alone."""
     names = [item.name for item in entries]
@@ -163,11 +246,7 @@ def score(
             prices=Prices.of(suite.params),
         )
         scored.append(Scored(item, table, measure(flights)))
-    return Result(suite, seed, len(none), official, tuple(scored), reference)
-
-
-def _official(base: Suite, flown: Suite, seed: int, count: int) -> bool:
-    return flown.hash == base.hash and (seed, count) == (base.seed, base.episodes)
+    return Result(suite, seed, len(none), official, tuple(scored), reference, first_episode)
 
 
 def is_name(value: Any) -> bool:

@@ -140,7 +140,12 @@ def build(folders: Sequence[str | os.PathLike[str]], out: str | os.PathLike[str]
 
 
 def _check(record: Record) -> None:
-    """Refuse claims that can be found wrong without a flight."""
+    """Refuse claims that can be found wrong without a flight, and a part of a run."""
+    if record.first_episode:
+        raise RecordError(
+            f"{record.folder}: first_episode = {record.first_episode} must be 0: a part of a run has no place on a "
+            "leaderboard; merge its parts"
+        )
     suite = definition(record)
     if (suite.hash, suite.split) != (record.suite_hash, record.split):
         raise RecordError(

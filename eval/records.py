@@ -20,7 +20,7 @@ from rss_gym.eval.evaluate import Result, Scored
 from rss_gym.files import new_folder
 
 SCORES, TABLES = "scores.json", "tables"
-SCHEMA = 1  # raised when fields of scores.json or columns of the tables change
+SCHEMA = 2  # raised when fields of scores.json or columns of the tables change
 
 
 def versions(*more: str) -> dict[str, str]:
@@ -62,6 +62,7 @@ def document(result: Result, policies: list[dict[str, Any]]) -> dict[str, Any]:
         "split": result.suite.split,
         "seed": result.seed,
         "episodes": result.episodes,
+        "first_episode": result.first_episode,
         "official": result.official,
         "reference": result.reference,
         "families": result.suite.families,

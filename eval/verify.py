@@ -172,8 +172,8 @@ def official(record: Record) -> bool:
     if record.suite not in SUITES:
         return False
     suite = find(record.suite)
-    run = (record.suite_hash, record.split, record.seed, record.episodes)
-    return run == (suite.hash, suite.split, suite.seed, suite.episodes)
+    run = (record.suite_hash, record.split, record.seed, record.episodes, record.first_episode)
+    return run == (suite.hash, suite.split, suite.seed, suite.episodes, 0)
 
 
 def _suite_differences(record: Record, suite: Suite) -> Iterator[Difference]:
@@ -243,11 +243,12 @@ def _built(policy: Policy, suite: Suite, trust: bool) -> Entry:
 def sample(record: Record, every: bool = False, seed: int = 0) -> Sequence[int]:
     """Numbers of the episodes to fly again: all, or 1 % but at least 10, drawn by the tables' digests and a seed."""
     count = min(record.episodes, max(EPISODES_MIN, round(SHARE * record.episodes)))
+    numbers = range(record.first_episode, record.first_episode + record.episodes)
     if every or count == record.episodes:
-        return range(record.episodes)
+        return numbers
     digests = ",".join([str(seed), *(policy.table_sha256 for policy in record.policies)])
     generator = np.random.default_rng(int(hashlib.sha256(digests.encode()).hexdigest(), 16))
-    return sorted(generator.choice(record.episodes, count, replace=False).tolist())
+    return [numbers[place] for place in sorted(generator.choice(record.episodes, count, replace=False).tolist())]
 
 
 def _fly_again(
@@ -267,7 +268,7 @@ def _fly_again(
         with closing(fly_blocks(flown, [True] * len(flown), suite.params, blocks, workers)) as flying:
             for tables in flying:
                 for item, table in zip(flown, tables, strict=True):
-                    found += _compared(record[item.name], table)[: LISTED_MAX - len(found)]
+                    found += _compared(record, item.name, table)[: LISTED_MAX - len(found)]
                     advance(len(table))
         return found
 
@@ -286,9 +287,9 @@ def _fly_again(
             verdict.flown |= {item.name: len(numbers) for item in group}
 
 
-def _compared(policy: Policy, flown: np.ndarray) -> list[Difference]:
+def _compared(record: Record, name: str, flown: np.ndarray) -> list[Difference]:
     """Every column of every episode flown, bit for bit."""
-    recorded = policy.table[flown["episode"].astype(np.int64)]
+    recorded = record[name].table[flown["episode"].astype(np.int64) - record.first_episode]
     found = []
     for column in TABLE.names or ():
         one, other = (np.ascontiguousarray(table[column]) for table in (recorded, flown))
@@ -296,7 +297,7 @@ def _compared(policy: Policy, flown: np.ndarray) -> list[Difference]:
         unlike = one.view((np.uint8, size)) != other.view((np.uint8, size))
         for row in np.flatnonzero(unlike.any(axis=1)):
             number = int(flown["episode"][row])
-            found.append(Difference(policy.name, column, one[row].item(), other[row].item(), number))
+            found.append(Difference(name, column, one[row].item(), other[row].item(), number))
     return sorted(found, key=lambda difference: difference.episode or 0)
 
 

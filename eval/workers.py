@@ -1,4 +1,4 @@
-"""Flies blocks of episodes in this process or in several, in order, with the same result."""
+"""Flies blocks of episodes in this process, in several, or on an executor, in order, with the same result."""
 
 from __future__ import annotations
 
@@ -9,33 +9,41 @@ import os
 import pickle
 import signal
 import threading
+from collections import deque
 from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.connection import Connection
 
 import numpy as np
 
-from rss_gym.eval.episodes import Block, PolicyError, described, fly
+from rss_gym.eval.episodes import Block, PolicyError, described, fly_episodes
 from rss_gym.eval.policies import Entry, entry
 from rss_gym.params import Params, ParamsError
 
 NOMINAL = "none"  # the denominator of every risk ratio
 
-Recipe = tuple[str, str] | bytes  # name and specification to build a policy by, or a pickled `Entry`
+# Name, specification and hash to build a policy by, or a pickled `Entry`
+Recipe = tuple[str, str, str] | bytes
+Recipes = tuple[Recipe, ...]
 
 
 def fly_block(entries: Sequence[Entry], block: Block) -> list[np.ndarray]:
     """Fly all policies over one block, `none` first, whose positions the manoeuvres of the others are measured from."""
     nominal = next(item for item in entries if item.name == NOMINAL)
-    table, positions = fly(nominal.policy, nominal.name, nominal.world, block)
+    table, positions = fly_episodes(nominal.policy, nominal.name, nominal.world, block)
     return [
-        table if item is nominal else fly(item.policy, item.name, item.world, block, positions)[0] for item in entries
+        table if item is nominal else fly_episodes(item.policy, item.name, item.world, block, positions)[0]
+        for item in entries
     ]
 
 
 def fly_blocks(
-    entries: Sequence[Entry], named: Sequence[bool], params: Params, blocks: Sequence[Block], workers: int
+    entries: Sequence[Entry],
+    named: Sequence[bool],
+    params: Params,
+    blocks: Sequence[Block],
+    workers: int = 1,
+    executor: Executor | None = None,
 ) -> Generator[list[np.ndarray]]:
     """The tables of each block, in order; close the iterator to stop the workers.
 
@@ -49,7 +57,9 @@ def fly_blocks(
         The suite's world, to build them in.
     blocks : sequence of Block
     workers : int
-        Processes; one means this one.
+        Processes; one means this one, and so does a daemon process, which may start none of its own.
+    executor : concurrent.futures.Executor, optional
+        Where the blocks are flown in place of such processes.
 
     Raises
     ------
@@ -58,26 +68,22 @@ def fly_blocks(
     PolicyError
         When a policy fails, or a worker process dies.
     """
-    recipes = [_recipe(*pair) for pair in zip(entries, named, strict=True)] if workers > 1 else []
     processes = min(workers, len(blocks))
-    if processes == 1:
+    if executor is None and (processes == 1 or multiprocessing.current_process().daemon):
         for block in blocks:
             yield fly_block(entries, block)
+        return
+    recipes = recipes_of(entries, named)
+    if executor is not None:
+        yield from _submitted(executor, recipes, params, blocks)
         return
     # A worker ends as soon as the other end of this pipe is closed, be it here or because this process was killed.
     lifeline, held = multiprocessing.Pipe(duplex=False)
     # Spawned, not forked: the same on every system, and no thread is copied in the middle of its work.
     spawn = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(processes, spawn, initializer=_begin, initargs=(lifeline, recipes, params))
+    pool = ProcessPoolExecutor(processes, spawn, initializer=_begin, initargs=(lifeline,))
     try:
-        with interrupts_held():
-            results = pool.map(_fly, blocks)
-        yield from results
-    except BrokenProcessPool as error:
-        raise PolicyError(
-            "a worker process died (out of memory, killed, or ended by a policy; or the script that calls `evaluate` "
-            "lacks `if __name__ == '__main__':`); nothing was scored"
-        ) from error
+        yield from _submitted(pool, recipes, params, blocks)
     except BaseException:
         held.close()
         raise
@@ -87,9 +93,41 @@ def fly_blocks(
         lifeline.close()
 
 
+def _submitted(
+    executor: Executor, recipes: Recipes, params: Params, blocks: Sequence[Block]
+) -> Generator[list[np.ndarray]]:
+    """The tables of the blocks in order, each let go of as soon as it has been taken."""
+    waiting: deque[Future[list[np.ndarray]]] = deque()
+    try:
+        with interrupts_held():
+            for block in blocks:
+                waiting.append(executor.submit(fly_sent, recipes, params, block))
+        while waiting:
+            yield waiting.popleft().result()
+    except BrokenExecutor as error:
+        raise PolicyError(
+            "a worker process died (out of memory, killed, or ended by a policy; or the script that calls `evaluate` "
+            "lacks `if __name__ == '__main__':`); nothing was scored"
+        ) from error
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def recipes_of(entries: Sequence[Entry], named: Sequence[bool]) -> Recipes:
+    """What another process builds the policies by.
+
+    Raises
+    ------
+    ParamsError
+        If an object cannot be pickled.
+    """
+    return tuple(_recipe(*pair) for pair in zip(entries, named, strict=True))
+
+
 def _recipe(item: Entry, named: bool) -> Recipe:
     if named:
-        return item.name, item.spec
+        return item.name, item.spec, item.hash
     try:
         return pickle.dumps(item)
     except Exception as error:  # __reduce__ may raise anything
@@ -114,13 +152,8 @@ def interrupts_held() -> Iterator[None]:
 
 # In the worker
 
-_world: Params
-_recipes: list[Recipe]
 
-
-def _begin(lifeline: Connection, recipes: list[Recipe], params: Params) -> None:
-    global _world, _recipes
-    _world, _recipes = params, recipes
+def _begin(lifeline: Connection) -> None:
     threading.Thread(target=end_with, args=(lifeline,), daemon=True).start()
 
 
@@ -131,12 +164,24 @@ def end_with(lifeline: Connection) -> None:
     os._exit(1)
 
 
-@functools.cache
-def _entries() -> list[Entry]:
-    """Built at the first block, where an error travels back as itself; one in `_begin` would only break the pool."""
-    return [
-        _loaded(recipe) if isinstance(recipe, bytes) else entry(recipe[1], _world, recipe[0]) for recipe in _recipes
-    ]
+def fly_sent(recipes: Recipes, params: Params, block: Block) -> list[np.ndarray]:
+    """`fly_block` with the policies of these recipes, in whatever process."""
+    return fly_block(entries_of(recipes, params), block)
+
+
+@functools.lru_cache(maxsize=1)
+def entries_of(recipes: Recipes, params: Params) -> list[Entry]:
+    """The policies, built at the first block, where an error travels back as itself, and kept for the next ones."""
+    return [_loaded(recipe) if isinstance(recipe, bytes) else _built(*recipe, params) for recipe in recipes]
+
+
+def _built(name: str, spec: str, hashed: str, params: Params) -> Entry:
+    built = entry(spec, params, name)
+    if built.hash != hashed:
+        raise PolicyError(
+            f"policy {name!r}: {spec!r} is another policy in the worker process; each must find the same files"
+        )
+    return built
 
 
 def _loaded(pickled: bytes) -> Entry:
@@ -148,7 +193,3 @@ def _loaded(pickled: bytes) -> Entry:
             f"a policy given as an object cannot be loaded in a worker process ({described(error)}); "
             "give it as module:attribute, or use workers=1"
         ) from error
-
-
-def _fly(block: Block) -> list[np.ndarray]:
-    return fly_block(_entries(), block)

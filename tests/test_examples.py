@@ -18,6 +18,11 @@ EXAMPLES = {
     ),
     "sb3_ppo.py": (["8192", "20"], ["stable_baselines3"], ["ppo ", "rule ", "orca ", "20 encounters"]),
     "score_own_policy.py": (["--episodes", "50"], [], ["pass-behind ", "orthogonal ", "50 encounters"]),
+    "cluster.py": (
+        ["--episodes", "60", "--part", "20"],
+        ["distributed"],
+        ["orthogonal ", "60 encounters", "parts and blocks agree: True"],
+    ),
     "ppo_single_file.py": (
         ["--steps", "32768", "--episodes", "30"],
         ["torch"],
@@ -34,7 +39,7 @@ def test_every_example_is_run_here():
 def test_it_runs(name, tmp_path, monkeypatch, capsys):
     arguments, packages, words = EXAMPLES[name]
     for package in packages:
-        pytest.importorskip(package, reason=f"{package} (extra `train`) is not installed")
+        pytest.importorskip(package, reason=f"{package} (extra `train` or `cluster`) is not installed")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [name, *arguments])
     runpy.run_path(str(FOLDER / name), run_name="__main__")

@@ -11,7 +11,7 @@ import numpy as np
 
 from rss_gym.baselines import make
 from rss_gym.eval.costs import SCORE, cost_m
-from rss_gym.eval.episodes import Block, fly
+from rss_gym.eval.episodes import Block, fly_episodes
 from rss_gym.eval.evaluate import BLOCK
 from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.ranking import Candidate, Place, rank
@@ -112,7 +112,7 @@ class Validator:
         return self._flown(make("none", self.world), "none")
 
     def _flown(self, policy: Any, name: str) -> np.ndarray:
-        table = np.concatenate([fly(policy, name, self.world, block)[0] for block in self._blocks])
+        table = np.concatenate([fly_episodes(policy, name, self.world, block)[0] for block in self._blocks])
         table["cost_m"] = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"])
         return table
 

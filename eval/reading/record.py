@@ -48,6 +48,7 @@ class Record:
     split: str
     seed: int
     episodes: int
+    first_episode: int
     official: bool
     reference: str
     families: tuple[str, ...]
@@ -101,7 +102,7 @@ def load(folder: str | os.PathLike[str]) -> Record:
         if values["name"] == NOMINAL != values["spec"]:
             raise RecordError(f"{file}: {where}.spec = {values['spec']!r} must be {NOMINAL!r} as the name is")
         table = read_table(root / values["table"], fields["episodes"])
-        check_rows(str(root / values["table"]), table, params, len(families))
+        check_rows(str(root / values["table"]), table, params, len(families), fields["first_episode"])
         if table_digest(table) != values["table_sha256"]:
             raise RecordError(
                 f"{file}: {where}.table_sha256 = {values['table_sha256']!r} must be {table_digest(table)!r}, the "
@@ -114,10 +115,7 @@ def load(folder: str | os.PathLike[str]) -> Record:
         params=params,
         families=tuple(families),
         policies=tuple(policies),
-        **{
-            key: fields[key]
-            for key in ("suite", "suite_hash", "split", "seed", "episodes", "official", "reference", "versions")
-        },
+        **{key: fields[key] for key in RECORD if key not in ("schema", "families", "params", "policies")},
     )
     _check_policies(str(file), record)
     return record

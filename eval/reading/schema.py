@@ -45,6 +45,7 @@ RECORD: Checks = {
     "split": (lambda value: isinstance(value, str) and value in SPLITS, "one of " + ", ".join(SPLITS)),
     "seed": (_whole(0, SEED_LIMIT - 1), "a whole number in [0, 2**63)"),
     "episodes": (_whole(1, EPISODES_MAX), f"a whole number in [1, {EPISODES_MAX}]"),
+    "first_episode": (_whole(0, SEED_LIMIT - 1), "a whole number in [0, 2**63)"),
     "official": (lambda value: isinstance(value, bool), "true or false"),
     "reference": _NAME,
     "families": (lambda value: isinstance(value, list), "a list of families"),

@@ -104,7 +104,7 @@ def _column(archive: zipfile.ZipFile, info: zipfile.ZipInfo, kind: np.dtype, n: 
     return np.frombuffer(data, kind)
 
 
-def check_rows(file: str, table: np.ndarray, params: Params, families: int) -> None:
+def check_rows(file: str, table: np.ndarray, params: Params, families: int, first_episode: int = 0) -> None:
     """Values that no flight can have, and columns that contradict each other."""
     highest = {"family": families - 1, "channel": len(params.channels) - 1}
 
@@ -115,7 +115,8 @@ def check_rows(file: str, table: np.ndarray, params: Params, families: int) -> N
                 f"{file}: column {column!r} of row {rows[0]} is {table[column][rows[0]]}, must be {right}"
             )
 
-    refuse("episode", table["episode"] != np.arange(len(table), dtype=np.uint64), "the row's number")
+    numbers = np.arange(len(table), dtype=np.uint64) + np.uint64(first_episode)
+    refuse("episode", table["episode"] != numbers, "the row's number, from first_episode on")
     for column in TABLE.names or ():
         values, low = table[column], _LOWEST.get(column, 0)
         if values.dtype.kind == "f":

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.core import Batch
-from rss_gym.eval.episodes import Block, PolicyError, fly
+from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.report import series
 from rss_gym.pages.page import text
@@ -155,7 +155,7 @@ def again(result: Result, index: int, row: int) -> dict[str, Any]:
     scored, flight = result.policies[index], Flight()
     entry, number = scored.entry, int(scored.table["episode"][row])
     block = Block(result.suite.split, result.seed, [number])
-    table, _ = fly(entry.policy, entry.name, entry.world, block, watch=flight)
+    table, _ = fly_episodes(entry.policy, entry.name, entry.world, block, watch=flight)
     same = all(table[0][name] == scored.table[row][name] for name in SAME)
     return {"name": entry.name, "same": same, **flight.to_dict()}
 

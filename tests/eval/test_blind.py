@@ -8,7 +8,7 @@ import pytest
 from rss_gym.core import Batch
 from rss_gym.eval import blind
 from rss_gym.eval.blind import Blind, Displaced, Drifting
-from rss_gym.eval.episodes import Block, fly, start
+from rss_gym.eval.episodes import Block, fly_episodes, start
 from rss_gym.eval.suites import find
 from rss_gym.params import Params
 
@@ -71,7 +71,7 @@ def test_the_radio_changes_nothing_for_who_does_not_listen(suite):
     tried = list(blind.manoeuvres(world))
     for manoeuvre in (tried[1], tried[7], tried[-1]):
         tables = [
-            fly(Blind(manoeuvre, one), manoeuvre.name, one, Block("suite", 0, range(40)))[0]
+            fly_episodes(Blind(manoeuvre, one), manoeuvre.name, one, Block("suite", 0, range(40)))[0]
             for one in (world, blind.deafened(world))
         ]
         for column in ("collision", "snmac", "cost_m", "deviation_mean_m", "min_separation_m", "flown_m"):

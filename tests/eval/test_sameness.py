@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rss_gym.eval import evaluate
-from rss_gym.eval.episodes import Block, PolicyError, fly
+from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.policies import entry
 from rss_gym.eval.records import save
 from rss_gym.eval.suites import find
@@ -75,7 +75,7 @@ def test_any_selection_of_episodes_gives_the_same_rows(alone, numbers):
     chosen = list(numbers)
     for index, spec in ((0, "none"), (2, "random"), (3, "flyers:Flyer")):
         item = entry(spec, suite.params)
-        table, _ = fly(item.policy, item.name, item.world, Block(suite.split, 0, numbers))
+        table, _ = fly_episodes(item.policy, item.name, item.world, Block(suite.split, 0, numbers))
         expected = alone.policies[index].table[chosen]
         expected["manoeuvre_m"] = 0.0  # for want of the positions of `none`
         assert table.tobytes() == expected.tobytes()
