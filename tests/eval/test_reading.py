@@ -137,7 +137,7 @@ def test_links_and_pipes_are_not_followed(folder, sound):
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
-        ("schema", 2, ["schema = 2"]),
+        ("schema", 1, ["schema = 1"]),
         ("schema", True, ["schema = True"]),
         ("suite", "", ["suite = ''"]),
         ("suite", "a\u001b[2J", ["suite = "]),
