@@ -158,7 +158,7 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
         Names of `POLICIES` with levels of information and options, all numbers in SI; a name of `AGENTS`; or a folder
         with `policy.json`.
     params : Params, optional
-        The world that the policy will fly in, the default one if not given. The policy's own `world` is this with
+        The world that the policy will fly in, the default one if not given. The policy's own `params` are these with
         velocities for actions and, if the specification names one after `@`, with that level of information.
 
     Raises
@@ -167,9 +167,9 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
         For what `parse` or `rss_gym.baselines.agent.load` refuses, an option out of range, a level of information or a
         plane that the policy cannot fly on or in, or a contradiction with the world.
     """
-    world = Params.of(params, action="velocity")
+    flown = Params.of(params, action="velocity")
     if is_folder(spec):
-        return load(spec, None if params is None else world)
+        return load(spec, None if params is None else flown)
     if spec.endswith(PICKLED):
         raise ParamsError(
             f"policy {spec!r} is a file whose reading runs code from it: make a policy folder of it with "
@@ -177,34 +177,34 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
         )
     parsed = parse(spec)
     if parsed.information:
-        world = informed(world, parsed.information)
+        flown = informed(flown, parsed.information)
     if parsed.rule in AGENTS:
-        return load(AGENTS[parsed.rule], world, f"policy {spec!r}, trained in {shipped.home(parsed.rule)}")
+        return load(AGENTS[parsed.rule], flown, f"policy {spec!r}, trained in {shipped.home(parsed.rule)}")
     kind = POLICIES[parsed.rule]
-    base = make(parsed.base, world) if parsed.base else None
+    base = make(parsed.base, flown) if parsed.base else None
     if base:
-        world = base.world
-    level = world.interface.information
+        flown = base.params
+    level = flown.interface.information
     if level not in kind.information:
         raise ParamsError(
             f"policy {spec!r} cannot fly on information {level!r}: {parsed.rule!r} is for "
             f"{', '.join(map(repr, kind.information))}"
         )
-    if kind.in_space and world.encounter.planar:
+    if kind.in_space and flown.encounter.planar:
         raise ParamsError(f"policy {spec!r}: {parsed.rule!r} flies in space only, got a world with planar = True")
     try:
         options: dict[str, Any] = parsed.options | ({"base": base} if base else {})
-        return kind(world=world, **options)
+        return kind(params=flown, **options)
     except ParamsError as error:
         raise ParamsError(f"policy {spec!r}: {error}") from error
 
 
-def informed(world: Params, information: str) -> Params:
+def informed(params: Params, information: str) -> Params:
     """The world with another level of information: of the trackers, `bearings` is for `ranges` and no other level."""
     keywords: dict[str, Any] = {"information": information}
-    if "ranges" == world.interface.information != information:
+    if "ranges" == params.interface.information != information:
         keywords["tracker"] = Tracking().tracker
-    return Params.of(world, **keywords)
+    return Params.of(params, **keywords)
 
 
 def _options(kind: type[Scripted]) -> dict[str, Any]:
@@ -212,11 +212,11 @@ def _options(kind: type[Scripted]) -> dict[str, Any]:
     return {f.name: f.default for f in dataclasses.fields(kind) if "low" in f.metadata}
 
 
-def able(world: Params) -> list[str]:
+def able(params: Params) -> list[str]:
     """Names of all that can fly in this world, on its information, at their defaults."""
-    level, planar = world.interface.information, world.encounter.planar
+    level, planar = params.interface.information, params.encounter.planar
     rules = [name for name, kind in POLICIES.items() if level in kind.information and not (kind.in_space and planar)]
-    return rules + [name for name in AGENTS if shipped.fits(name, world)]
+    return rules + [name for name in AGENTS if shipped.fits(name, params)]
 
 
 def describe() -> dict[str, dict[str, Any]]:

@@ -34,7 +34,7 @@ class Agent:
     network : Network
     tensors : dict of float64 arrays
         As `network.shapes` has them for this world.
-    world : Params
+    params : Params
         The world.
     document : dict
         `policy.json`, for what else it records.
@@ -43,10 +43,10 @@ class Agent:
     """
 
     def __init__(
-        self, network: Network, tensors: dict[str, np.ndarray], world: Params, document: dict[str, Any], digest: str
+        self, network: Network, tensors: dict[str, np.ndarray], params: Params, document: dict[str, Any], digest: str
     ) -> None:
-        self.network, self.world, self.document, self.digest = network, world, document, digest
-        self._tensors, self._kept = tensors, kept(network.zeroed, world)
+        self.network, self.params, self.document, self.digest = network, params, document, digest
+        self._tensors, self._kept = tensors, kept(network.zeroed, params)
         count = len(network.layers) + 1
         self._weights = tuple(tensors[f"{index}.weight"] for index in range(count))
         self._biases = tuple(tensors[f"{index}.bias"] for index in range(count))
@@ -61,7 +61,7 @@ class Agent:
         Parameters
         ----------
         observation_ : (d,) or (n, d) array
-            Of the policy's `world`.
+            Of the policy's `params`.
         state : (n, m) array, optional
             As returned by the last call; None starts afresh.
         episode_start : (n,) bool array, optional
@@ -117,20 +117,20 @@ def load(folder: str | os.PathLike[str], params: Params | None = None, called: s
         text, blob = read(Path(folder))
         document = document_of(text)
         network = network_of(document["network"])
-        world = _world(document, params)
-        known = network.inputs(world)
+        flown = _params_of(document, params)
+        known = network.inputs(flown)
         if document["observation"] != known:
             raise ParamsError(
                 f"{DOCUMENT}: it was made for {len(document['observation'])} fields, and this world has {len(known)} "
                 "or others; planar and intruders must be as in training"
             )
-        tensors = tensors_of(blob, network.shapes(world))
+        tensors = tensors_of(blob, network.shapes(flown))
     except ParamsError as error:
         raise ParamsError(f"{called or f'policy folder {os.fspath(folder)!r}'}: {error}") from error
-    return Agent(network, tensors, world, document, hashlib.sha256(text + blob).hexdigest())
+    return Agent(network, tensors, flown, document, hashlib.sha256(text + blob).hexdigest())
 
 
-def _world(document: dict[str, Any], params: Params | None) -> Params:
+def _params_of(document: dict[str, Any], params: Params | None) -> Params:
     interface = document["interface"]
     same_names(f"{DOCUMENT}, interface", interface, ["information"])
     made_for = Params.of(action="velocity", **interface)  # checks it

@@ -21,7 +21,7 @@ class Constant(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the displacement."""
-        return towards(np.tile([self.along_m, self.right_m, self.up_m], (len(memory), 1)), seen, self.world)
+        return towards(np.tile([self.along_m, self.right_m, self.up_m], (len(memory), 1)), seen, self.params)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class Climb(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the height."""
-        return towards(np.tile([0.0, 0.0, self.up_m], (len(memory), 1)), seen, self.world)
+        return towards(np.tile([0.0, 0.0, self.up_m], (len(memory), 1)), seen, self.params)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class Velocity(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """The velocity."""
-        return commanded(np.tile([self.along_mps, self.right_mps, self.up_mps], (len(memory), 1)), seen, self.world)
+        return commanded(np.tile([self.along_mps, self.right_mps, self.up_mps], (len(memory), 1)), seen, self.params)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ class Stop(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """No velocity."""
-        return commanded(np.zeros((len(memory), 3)), seen, self.world)
+        return commanded(np.zeros((len(memory), 3)), seen, self.params)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,5 +82,5 @@ class Blind(Scripted):
         """To the displacement while it is time, and back; memory counts the seconds."""
         target, now_s = np.zeros((len(memory), 3)), memory[:, 0]
         target[(now_s >= self.at_s) & (now_s < self.at_s + self.for_s), 1] = self.right_m
-        memory[:, 0] += self.world.clock.decision_s
-        return towards(target, seen, self.world)
+        memory[:, 0] += self.params.clock.decision_s
+        return towards(target, seen, self.params)

@@ -21,7 +21,11 @@ from rss_gym.params import Params, ParamsError, number
 
 @kernel
 def _steer(flown, known, position, velocity, radius, lookahead_s, rate_ps, response_s, speed, out):
-    """Rows of the filter."""
+    """Filter the wanted velocities `out` (n, 3), m/s, of every row.
+
+    `flown` (n, 3) is the own velocity, `known` (n, K) says who counts; `position`, `velocity` (n, K, 3) and `radius`
+    (n, K) are in m and m/s.
+    """
     intruders = known.shape[1]
     planes, room = np.zeros((intruders, 4)), np.zeros((intruders, 4))
     for row in range(len(out)):
@@ -54,7 +58,7 @@ class Cbf(VelocityRule):
     base : object, optional
         The policy that is filtered, with `predict` on the same observations; any kind of action.
     base_world : Params, optional
-        The world of its actions, if it has no `world` of its own.
+        The world of its actions, if it has no `params` of its own.
 
     Raises
     ------
@@ -65,7 +69,7 @@ class Cbf(VelocityRule):
     rate_ps: float = number(0.5, 0.01, 10.0)
     response_s: float = number(1.0, 0.01, 10.0)
     base: Any = None
-    base_world: Params | None = None
+    base_params: Params | None = None
 
     def __post_init__(self) -> None:
         """Check that the policy to be filtered acts, and that it is known in what world."""
@@ -74,7 +78,7 @@ class Cbf(VelocityRule):
             return
         if not callable(getattr(self.base, "predict", None)):
             raise ParamsError(f"base = {type(self.base).__name__} must have a method `predict`, as SB3's policies have")
-        if not isinstance(self.base_world or getattr(self.base, "world", None), Params):
+        if not isinstance(self.base_params or getattr(self.base, "params", None), Params):
             raise ParamsError(
                 f"base = {type(self.base).__name__} says nothing of its actions: give base_world, the Params it acts in"
             )
@@ -93,14 +97,14 @@ class Cbf(VelocityRule):
 
     def _filtered(self, seen: dict[str, np.ndarray], memory: np.ndarray, actions: np.ndarray) -> np.ndarray:
         """Actions of `base` as velocities of the way point, filtered."""
-        world = self.base_world or self.base.world
-        limits = world.aircraft
-        if actions.ndim < (1 if world.interface.action == "discrete" else 2):
+        params = self.base_params or self.base.params
+        limits = params.aircraft
+        if actions.ndim < (1 if params.interface.action == "discrete" else 2):
             actions = actions[None]
-        wanted = decode(actions, world, len(memory))
+        wanted = decode(actions, params, len(memory))
         wanted *= [limits.speed_max_mps, limits.speed_max_mps, limits.vertical_speed_max_mps]
         wanted[:, 0] += seen["cruise_mps"]
-        return self.steered(seen, memory, limited(wanted, world))
+        return self.steered(seen, memory, limited(wanted, params))
 
     def steer(
         self,
@@ -121,6 +125,6 @@ class Cbf(VelocityRule):
             self.lookahead_s,
             self.rate_ps,
             self.response_s,
-            self.world.aircraft.speed_max_mps,
+            self.params.aircraft.speed_max_mps,
             wanted,
         )

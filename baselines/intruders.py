@@ -11,9 +11,9 @@ from rss_gym.baselines.policy import vectors
 from rss_gym.params import Params, ParamsError
 
 
-def check_radius(radius_m: float, world: Params) -> None:
+def check_radius(radius_m: float, params: Params) -> None:
     """Refuse a radius beyond the world's zone."""
-    zone_m = world.zone.radius_m
+    zone_m = params.zone.radius_m
     if radius_m > zone_m:
         raise ParamsError(
             f"radius_m = {radius_m:g} must be at most the zone radius {zone_m:g}: no message arrives beyond it"

@@ -20,7 +20,7 @@ RANGE = (
     "coloured_std_db",
     "coloured_tc_s",
     "margin_m",
-    "streak",
+    "consecutive_warnings",
 )
 
 # What is taken away -> whether it holds this field.
@@ -31,15 +31,15 @@ MASKS: dict[str, Callable[[str], bool]] = {
 }
 
 
-def kept(zeroed: str, world: Params, stack: int = 1) -> np.ndarray:
+def kept(zeroed: str, params: Params, stack: int = 1) -> np.ndarray:
     """One for each column that stays and zero for the others, of `stack` observations; float32.
 
     Parameters
     ----------
     zeroed : str
         One of `MASKS`: `range` is what the filter of the link holds, `radio` all that is known of the intruders.
-    world : Params
+    params : Params
     stack : int
     """
-    row = [not MASKS[zeroed](field.name) for field in observation.fields(world)]
+    row = [not MASKS[zeroed](field.name) for field in observation.fields(params)]
     return np.tile(np.array(row, np.float32), stack)

@@ -17,13 +17,17 @@ OPENED, CLOCK, BEFORE, FLOWN, FLOWN_X, FLOWN_Y, OTHER_X, OTHER_Y, GO_X, GO_Y, DE
 
 
 @kernel
-def _steer(own_mps, told, range_m, other_mps, hover_s, period_s, radius_m, memory, out):
-    """Measure the triangle while the other hovers, then fly at right angles to its previous velocity."""
+def _steer(own_mps, heard, range_m, other_mps, hover_s, period_s, radius_m, memory, out):
+    """Measure the triangle while the other hovers, then fly at right angles to its previous velocity.
+
+    `own_mps` (n, 3); `heard` (n, K) says whose message is held, `range_m` (n, K) and `other_mps` (n, K, 3) are theirs.
+    `memory` (n, 11) and `out` (n, 3) are written: a velocity (m/s), and 1 where it is to be flown.
+    """
     for row in range(len(out)):
         m = memory[row]
         nearest = -1
-        for k in range(told.shape[1]):
-            if told[row, k] and (nearest < 0 or range_m[row, k] < range_m[row, nearest]):
+        for k in range(heard.shape[1]):
+            if heard[row, k] and (nearest < 0 or range_m[row, k] < range_m[row, nearest]):
                 nearest = k
         if nearest < 0:
             m[:] = 0.0
@@ -67,13 +71,13 @@ class ModifiedOrthogonal(Scripted):
             (seen["warning"] > 0.5) & (seen["message_valid"] > 0.5),
             np.ascontiguousarray(seen["range_m"]),
             vectors(seen, "message_velocity", "mps"),
-            self.world.zone.hover_s,
-            self.world.clock.decision_s,
+            self.params.zone.hover_s,
+            self.params.clock.decision_s,
             self.radius_m,
             memory,
             out,
         )
         evading = out[:, 2] > 0.0
-        velocity = path_following(seen, self.world)
+        velocity = path_following(seen, self.params)
         velocity[evading, :2] = out[evading, :2]
-        return commanded(velocity, seen, self.world)
+        return commanded(velocity, seen, self.params)

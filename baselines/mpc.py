@@ -36,7 +36,11 @@ def _steer(
     table, error, velocity, way_point, cruise, known, position, speed, std,
     radius_m, sigmas, drift_mps, height_m, steps, step_s, limits, effort_s, penalty_m, out,
 ):  # fmt: skip
-    """Rows of the cheapest candidate; without an other in sight the path is followed."""
+    """The cheapest displacement of `table` (c, 3), m, in every row of `out` (n, 3); 0 where no intruder counts.
+
+    `error`, `velocity` and `way_point` (n, 3) and `cruise` (n,) are the own state beside the path; `known` (n, K) says
+    who counts, `position`, `speed` (n, K, 3) and `std` (n, K) are theirs; `limits` (5,): `speed_mps` to `k2` of `cost`.
+    """
     others = np.zeros((known.shape[1], 7))
     for row in range(len(out)):
         count = 0
@@ -67,7 +71,7 @@ def _steer(
 class Mpc(Scripted):
     """Predictive regulator of (42): the cheapest of enumerated way points over a horizon, chosen anew each decision.
 
-    Told to it: what a `VelocityRule` is told. The own deviation from the predefined trajectory is that of the commanded
+    Its inputs are those of a `VelocityRule`. The own deviation from the predefined trajectory is that of the commanded
     way point, which is known exactly: with that of the navigation solution the cost was 8.6 m in place of 4.0 m (4,000
     encounters of split `validation`, seed 0, 20 m).
 
@@ -100,11 +104,11 @@ class Mpc(Scripted):
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
         super().__post_init__()
-        check_radius(self.radius_m, self.world)
+        check_radius(self.radius_m, self.params)
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the cheapest candidate."""
-        world, craft, others = self.world, self.world.aircraft, intruders(seen)
+        params, craft, others = self.params, self.params.aircraft, intruders(seen)
         out = np.zeros((len(memory), 3))
         limits = (
             craft.speed_max_mps,
@@ -114,7 +118,7 @@ class Mpc(Scripted):
             craft.velocity_gain_ps,
         )
         _steer(
-            candidates(self.farthest_m, 0.0 if world.encounter.planar else world.encounter.altitude_band_m),
+            candidates(self.farthest_m, 0.0 if params.encounter.planar else params.encounter.altitude_band_m),
             vectors(seen, "way_point", "m"),
             vectors(seen, "velocity", "mps"),
             vectors(seen, "way_point", "m"),
@@ -134,4 +138,4 @@ class Mpc(Scripted):
             self.penalty_m,
             out,
         )
-        return towards(out, seen, self.world)
+        return towards(out, seen, self.params)

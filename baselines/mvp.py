@@ -17,7 +17,11 @@ from rss_gym.params import MAX_INTRUDERS, number
 
 @kernel
 def _steer(known, position, velocity, cruise, radius, lookahead_s, keep_side, speed, memory, out):
-    """Rows of MVP."""
+    """MVP in every row: the wanted velocities `out` (n, 3), m/s, are changed.
+
+    `known` (n, K) says who counts; `position`, `velocity` (n, K, 3) and `radius` (n, K) are in m and m/s; `memory`
+    (n, K) holds the side on which each is passed.
+    """
     for row in range(len(out)):
         x, y, changed = cruise[row], 0.0, False
         for k in range(known.shape[1]):
@@ -78,7 +82,7 @@ class Mvp(VelocityRule):
             radius_m,
             self.lookahead_s,
             self.keep_side > 0.0,
-            self.world.aircraft.speed_max_mps,
+            self.params.aircraft.speed_max_mps,
             memory,
             wanted,
         )

@@ -16,7 +16,11 @@ from rss_gym.params import number
 
 @kernel
 def _steer(flown, known, position, velocity, radius, lookahead_s, period_s, responsibility, speed, out):
-    """Rows of ORCA."""
+    """ORCA in every row: the wanted velocities `out` (n, 3), m/s, become the nearest allowed ones.
+
+    `flown` (n, 3) is the own velocity, `known` (n, K) says who counts; `position`, `velocity` (n, K, 3) and `radius`
+    (n, K) are in m and m/s.
+    """
     intruders = known.shape[1]
     planes, room = np.zeros((intruders, 4)), np.zeros((intruders, 4))
     for row in range(len(out)):
@@ -63,8 +67,8 @@ class Orca(VelocityRule):
             others.velocity_mps,
             radius_m,
             self.lookahead_s,
-            self.world.clock.decision_s,
+            self.params.clock.decision_s,
             self.responsibility,
-            self.world.aircraft.speed_max_mps,
+            self.params.aircraft.speed_max_mps,
             wanted,
         )

@@ -132,12 +132,12 @@ class Orthogonal(Scripted):
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
         super().__post_init__()
-        check_radius(self.radius_m, self.world)
+        check_radius(self.radius_m, self.params)
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the rule's way point."""
         others, out = intruders(seen), np.zeros((len(memory), 3))
-        level = self.level > 0.0 or self.world.encounter.planar
+        level = self.level > 0.0 or self.params.encounter.planar
         _steer(
             -vectors(seen, "way_point", "m"),
             np.ascontiguousarray(seen["cruise_mps"]),
@@ -150,4 +150,4 @@ class Orthogonal(Scripted):
             memory.reshape(len(memory), -1, WIDTH),
             out,
         )
-        return towards(out, seen, self.world)
+        return towards(out, seen, self.params)

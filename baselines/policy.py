@@ -40,7 +40,7 @@ class Scripted(Group):
     can fly on; one `in_space` flies in no planar world.
     """
 
-    world: Params = field(default_factory=Params)
+    params: Params = field(default_factory=Params)
 
     columns = 0
     information: ClassVar[tuple[str, ...]] = get_args(Information)
@@ -58,7 +58,7 @@ class Scripted(Group):
         Parameters
         ----------
         observation_ : (d,) or (n, d) array
-            Of the policy's `world`.
+            Of the policy's `params`.
         state : (n, m) array, optional
             As returned by the last call; None starts afresh.
         episode_start : (n,) bool array, optional
@@ -80,8 +80,8 @@ class Scripted(Group):
         memory = np.zeros((len(rows), self.columns)) if state is None else np.array(state, dtype=np.float64)
         if episode_start is not None:
             memory[np.broadcast_to(np.asarray(episode_start, bool), len(rows))] = 0.0
-        actions = act(observation.split(rows, self.world), memory)
-        if self.world.encounter.planar:
+        actions = act(observation.split(rows, self.params), memory)
+        if self.params.encounter.planar:
             actions = actions[:, :2]
         actions = np.clip(actions, -1.0, 1.0).astype(np.float32)
         return (actions if values.ndim > 1 else actions[0]), memory
@@ -99,7 +99,7 @@ class Nothing(Scripted):
     """Flies the predefined trajectory: the denominator of every risk ratio."""
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        """Zero."""
+        """No change of the planned velocity in any row, (n, 3)."""
         return np.zeros((len(memory), 3))
 
 
@@ -122,7 +122,7 @@ class Random(Scripted):
     columns = 2
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
-        """Random."""
+        """Actions (n, 3) uniform in [-1, 1]."""
         actions = np.zeros((len(memory), 3))
         # 2^24 different first ranges are enough to tell episodes apart; a double holds them exactly.
         _draw(memory, np.floor(np.ascontiguousarray(seen["range_m"][:, 0]) * 65536.0), actions)

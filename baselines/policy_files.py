@@ -54,14 +54,14 @@ class Network:
     squash: bool = False
     clip: float = 0.0
 
-    def inputs(self, world: Params) -> list[str]:
+    def inputs(self, params: Params) -> list[str]:
         """Names of the fields of an observation of this world."""
-        return [field.name for field in observation.fields(world)]
+        return [field.name for field in observation.fields(params)]
 
-    def shapes(self, world: Params) -> dict[str, tuple[int, ...]]:
+    def shapes(self, params: Params) -> dict[str, tuple[int, ...]]:
         """The tensors' shapes in this world."""
-        width = self.stack * len(self.inputs(world))
-        axes = 2 if world.encounter.planar else 3
+        width = self.stack * len(self.inputs(params))
+        axes = 2 if params.encounter.planar else 3
         found: dict[str, tuple[int, ...]] = {}
         if self.clip:
             found |= {"mean": (width,), "std": (width,)}

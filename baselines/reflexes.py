@@ -17,9 +17,9 @@ class Brake(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """No velocity under a warning, else path following."""
-        velocity = path_following(seen, self.world)
+        velocity = path_following(seen, self.params)
         velocity[seen["warning"].any(axis=1)] = 0.0
-        return commanded(velocity, seen, self.world)
+        return commanded(velocity, seen, self.params)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,4 +32,4 @@ class RightTurn(Scripted):
         """To the right under a warning, else back."""
         target = np.zeros((len(memory), 3))
         target[seen["warning"].any(axis=1), 1] = self.right_m
-        return towards(target, seen, self.world)
+        return towards(target, seen, self.params)

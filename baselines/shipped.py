@@ -25,10 +25,10 @@ def found(folder: Path = FOLDER) -> dict[str, Path]:
 AGENTS = found()
 
 
-def fits(name: str, world: Params) -> bool:
+def fits(name: str, params: Params) -> bool:
     """Whether the agent was made for this world: its information, fields and axes."""
     try:
-        load(AGENTS[name], world)
+        load(AGENTS[name], params)
     except ParamsError:
         return False
     return True

@@ -41,7 +41,7 @@ class VelocityRule(Scripted):
     def __post_init__(self) -> None:
         """Check the radius against the world's zone."""
         super().__post_init__()
-        check_radius(self.radius_m, self.world)
+        check_radius(self.radius_m, self.params)
 
     def steer(
         self,
@@ -57,12 +57,12 @@ class VelocityRule(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """The rule's change of path following."""
-        return self.steered(seen, memory, path_following(seen, self.world))
+        return self.steered(seen, memory, path_following(seen, self.params))
 
     def steered(self, seen: dict[str, np.ndarray], memory: np.ndarray, wanted: np.ndarray) -> np.ndarray:
         """Actions that fly the velocities `wanted` (n, 3) where the rule does not object."""
         others = intruders(seen)
         others = replace(others, known=others.known & (np.abs(others.position_m[..., 2]) < HEIGHT_M))
-        radius = np.minimum(self.radius_m + self.sigmas * others.std_m, self.world.zone.radius_m)
+        radius = np.minimum(self.radius_m + self.sigmas * others.std_m, self.params.zone.radius_m)
         self.steer(vectors(seen, "velocity", "mps"), seen["cruise_mps"], wanted, others, radius, memory)
-        return commanded(wanted, seen, self.world)
+        return commanded(wanted, seen, self.params)

@@ -22,14 +22,14 @@ def _limit(velocity, speed_mps, vertical_mps):
         v[0], v[1], v[2] = limit(v[0], v[1], v[2], speed_mps, vertical_mps)
 
 
-def limited(velocity_mps: np.ndarray, world: Params) -> np.ndarray:
+def limited(velocity_mps: np.ndarray, params: Params) -> np.ndarray:
     """Velocities (n, 3) held within the limits on speed, as the world holds that of the way point."""
     velocity = np.array(velocity_mps, dtype=np.float64)
-    _limit(velocity, world.aircraft.speed_max_mps, world.aircraft.vertical_speed_max_mps)
+    _limit(velocity, params.aircraft.speed_max_mps, params.aircraft.vertical_speed_max_mps)
     return velocity
 
 
-def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: Params) -> np.ndarray:
+def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], params: Params) -> np.ndarray:
     """Actions that give the way point these velocities.
 
     a = (v - v_planned) / limit, in each axis, of v held within the limits on speed as the world holds it. Backwards an
@@ -43,7 +43,7 @@ def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: P
         Along the leg, right, up.
     seen : mapping
         Own fields in SI units.
-    world : Params
+    params : Params
         For its limits.
 
     Returns
@@ -51,13 +51,13 @@ def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], world: P
     (n, 3) array
         In [-1, 1].
     """
-    craft, velocity = world.aircraft, limited(velocity_mps, world)
+    craft, velocity = params.aircraft, limited(velocity_mps, params)
     velocity[:, 0] -= seen["cruise_mps"]
     actions = velocity / [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
     return np.maximum(actions, -1.0)
 
 
-def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params) -> np.ndarray:
+def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], params: Params) -> np.ndarray:
     """Actions that bring the way point to a displacement within one decision, or as near as the limits allow.
 
     v = v_planned + (target - w) / T, w the way point minus the predefined trajectory, T the time of a decision.
@@ -66,7 +66,7 @@ def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params)
     ----------
     target_m : (n, 3) array
         Displacements from the predefined trajectory: along the leg, right, up.
-    seen, world
+    seen, params
         See `commanded`.
 
     Returns
@@ -74,16 +74,16 @@ def towards(target_m: np.ndarray, seen: Mapping[str, np.ndarray], world: Params)
     (n, 3) array
         In [-1, 1].
     """
-    velocity = (target_m - vectors(seen, "way_point", "m")) / world.clock.decision_s
+    velocity = (target_m - vectors(seen, "way_point", "m")) / params.clock.decision_s
     velocity[:, 0] += seen["cruise_mps"]
-    return commanded(velocity, seen, world)
+    return commanded(velocity, seen, params)
 
 
-def path_following(seen: Mapping[str, np.ndarray], world: Params) -> np.ndarray:
+def path_following(seen: Mapping[str, np.ndarray], params: Params) -> np.ndarray:
     """Velocity of the way point that leads it back to the predefined trajectory, m/s, shape (n, 3).
 
     v = v_planned - w / 10 s.
     """
     velocity = -HOMING_PS * vectors(seen, "way_point", "m")
     velocity[:, 0] += seen["cruise_mps"]
-    return limited(velocity, world)
+    return limited(velocity, params)

@@ -26,15 +26,15 @@ MILLION, BAR_S = 1_000_000, 12 * 60
 
 def network(folder: Path, layers: list[int]) -> str:
     """Write a policy that moves its way point to the right, with random hidden layers."""
-    world, shape = Params(), Network(layers=tuple(layers))
+    params, shape = Params(), Network(layers=tuple(layers))
     generator = np.random.default_rng(0)
-    tensors = {name: generator.normal(0.0, 0.1, size).astype(np.float32) for name, size in shape.shapes(world).items()}
+    tensors = {name: generator.normal(0.0, 0.1, size).astype(np.float32) for name, size in shape.shapes(params).items()}
     last = len(layers)
     tensors[f"{last}.weight"] *= 0.0
     tensors[f"{last}.bias"] = np.array([0.0, 1.0], np.float32)
     save_file(tensors, folder / WEIGHTS)
-    document = {"format": FORMAT, "network": asdict(shape), "interface": world.interface.to_dict()}
-    document |= {"observation": shape.inputs(world), "training": {}}
+    document = {"format": FORMAT, "network": asdict(shape), "interface": params.interface.to_dict()}
+    document |= {"observation": shape.inputs(params), "training": {}}
     (folder / DOCUMENT).write_text(json.dumps(document))
     return str(folder)
 

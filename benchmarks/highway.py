@@ -56,7 +56,10 @@ def main():
     parser.add_argument("--seconds", type=float, default=10.0, help="CPU seconds of each road")
     options = parser.parse_args()
     clock = Clock()
-    sensor.Sensor.tick, sensor.Sensor.decide = clock.around(sensor.Sensor.tick), clock.around(sensor.Sensor.decide)
+    sensor.Sensor.tick, sensor.Sensor.advance_slow_noise = (
+        clock.around(sensor.Sensor.tick),
+        clock.around(sensor.Sensor.advance_slow_noise),
+    )
     wrapper.RssRanging._observe = clock.around(wrapper.RssRanging._observe)
     wrapper.RssRanging._info = clock.around(wrapper.RssRanging._info)
     for scene in SCENES:

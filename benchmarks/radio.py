@@ -16,7 +16,7 @@ from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.path_loss import received_dbm
 from rss_gym.physics.random import fill_normals
 from rss_gym.ranging import coloured
-from rss_gym.records import channels
+from rss_gym.state import channels
 
 predict, update = coloured.predict, coloured.update
 

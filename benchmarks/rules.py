@@ -29,7 +29,7 @@ def observations() -> list[np.ndarray]:
     for step in range(EVERY * DECISIONS):
         if step % EVERY == 0:
             kept.append(batch.observations.copy())
-        batch.step(np.zeros((ROWS, 3)), batch.episode["terminated"] | batch.episode["truncated"])
+        batch.step(np.zeros((ROWS, 3)), ~(batch.episode["terminated"] | batch.episode["truncated"]))
     return kept
 
 
@@ -81,8 +81,8 @@ def rvo2() -> list[float]:
 
 def main() -> None:
     """Print the table and the ratios."""
-    batches, world = observations(), Params()
-    told = np.mean([intruders(observation.split(batch, world)).known for batch in batches])
+    batches, params = observations(), Params()
+    told = np.mean([intruders(observation.split(batch, params)).known for batch in batches])
     print(f"{ROWS} rows x {DECISIONS} observations, an intruder known in {told:.0%} of them")
     print(f"{'decisions per CPU second, one core':<40} {'best':>12} {'median':>12}")
     best = {name: rule(name, batches) for name in AIMS}

@@ -73,13 +73,13 @@ class Blind:
     Parameters
     ----------
     manoeuvre : Manoeuvre
-    world : Params
+    params : Params
     """
 
-    def __init__(self, manoeuvre: Manoeuvre, world: Params) -> None:
-        self.manoeuvre, self.world = manoeuvre, world
-        table = {field.name: (column, field) for column, field in enumerate(observation.fields(world))}
-        self.axes = AXES[: 2 if world.encounter.planar else 3]
+    def __init__(self, manoeuvre: Manoeuvre, params: Params) -> None:
+        self.manoeuvre, self.params = manoeuvre, params
+        table = {field.name: (column, field) for column, field in enumerate(observation.fields(params))}
+        self.axes = AXES[: 2 if params.encounter.planar else 3]
         own = [table[name] for name in (*(f"way_point_{axis}_m" for axis in self.axes), "cruise_mps")]
         self.columns, self.fields = [column for column, _ in own], [field for _, field in own]
 
@@ -91,7 +91,7 @@ class Blind:
         seen, axes = observation.restored(values, self.fields), len(self.axes)
         here_m = np.zeros((len(values), 3))
         here_m[:, :axes] = seen[:, :axes]
-        aircraft, decision_s, cruise_mps = self.world.aircraft, self.world.clock.decision_s, seen[:, axes]
+        aircraft, decision_s, cruise_mps = self.params.aircraft, self.params.clock.decision_s, seen[:, axes]
         limits = np.array([aircraft.speed_max_mps, aircraft.speed_max_mps, aircraft.vertical_speed_max_mps])
         actions = self.manoeuvre.change_mps(here_m, cruise_mps, decision_s) / limits
         # What is far is approached in its direction.
@@ -117,9 +117,9 @@ class Swept:
     deviation_m: float
 
 
-def manoeuvres(world: Params) -> Iterator[Manoeuvre]:
+def manoeuvres(params: Params) -> Iterator[Manoeuvre]:
     """Everything that the sweep tries in a world."""
-    speed, climb = world.aircraft.speed_max_mps, world.aircraft.vertical_speed_max_mps
+    speed, climb = params.aircraft.speed_max_mps, params.aircraft.vertical_speed_max_mps
     for number in range(DIRECTIONS):
         angle = 2.0 * math.pi * number / DIRECTIONS
         along, right, degrees = math.cos(angle), math.sin(angle), 360.0 * number / DIRECTIONS
@@ -130,7 +130,7 @@ def manoeuvres(world: Params) -> Iterator[Manoeuvre]:
             yield Drifting(f"{change:g} m/s at {degrees:g} degrees", (change * along, change * right, 0.0))
     yield Drifting("stopping", planned=-1.0)
     yield Drifting("running back", (-speed, 0.0, 0.0), planned=-1.0)
-    if world.encounter.planar:
+    if params.encounter.planar:
         return
     for sign, name in ((1.0, "up"), (-1.0, "down")):
         for height in HEIGHTS_M:
@@ -141,12 +141,12 @@ def manoeuvres(world: Params) -> Iterator[Manoeuvre]:
             yield Drifting(f"{share * climb:g} m/s {name}", (0.0, 0.0, sign * share * climb))
 
 
-def deafened(world: Params) -> Params:
+def deafened(params: Params) -> Params:
     """The world in which whoever does not listen flies the same encounters in the same way, only more quickly.
 
     On information `ranges` the intruder hovers when it is warned, so there the radio stays.
     """
-    return world if world.interface.information == "ranges" else Params.of(world, **DEAF)
+    return params if params.interface.information == "ranges" else Params.of(params, **DEAF)
 
 
 def sweep(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int = 200, kept: int = 16) -> list[Swept]:
@@ -166,12 +166,12 @@ def sweep(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int = 
         How many encounters all fly, and how many manoeuvres fly on.
     """
     flown = find(suite) if isinstance(suite, str) else suite
-    world = deafened(flown.params)
-    tried = list(manoeuvres(world))
+    params = deafened(flown.params)
+    tried = list(manoeuvres(params))
     if episodes > first and len(tried) > kept:
-        low = {one.name: _flown(one, world, flown.split, first, seed).cost_m.low or 0.0 for one in tried}
+        low = {one.name: _flown(one, params, flown.split, first, seed).cost_m.low or 0.0 for one in tried}
         tried = sorted(tried, key=lambda one: (low[one.name], one.name))[:kept]
-    found = [_flown(one, world, flown.split, episodes, seed) for one in tried]
+    found = [_flown(one, params, flown.split, episodes, seed) for one in tried]
     return sorted(found, key=lambda swept: (swept.cost_m.value or 0.0, swept.name))
 
 
@@ -180,9 +180,9 @@ def cheapest(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int
     return sweep(suite, episodes, seed, first, kept)[0]
 
 
-def _flown(manoeuvre: Manoeuvre, world: Params, split: str, episodes: int, seed: int) -> Swept:
+def _flown(manoeuvre: Manoeuvre, params: Params, split: str, episodes: int, seed: int) -> Swept:
     blocks = [Block(split, seed, range(first, min(first + BLOCK, episodes))) for first in range(0, episodes, BLOCK)]
-    table = np.concatenate([fly_episodes(Blind(manoeuvre, world), manoeuvre.name, world, block)[0] for block in blocks])
+    table = np.concatenate([fly_episodes(Blind(manoeuvre, params), manoeuvre.name, params, block)[0] for block in blocks])
     rate = clopper_pearson(int(np.count_nonzero(table["collision"])), episodes)
-    costs = Costs.of(table, Prices.of(world))
+    costs = Costs.of(table, Prices.of(params))
     return Swept(manoeuvre.name, costs.interval(), rate, float(np.mean(table["deviation_mean_m"])))

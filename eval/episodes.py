@@ -50,9 +50,9 @@ class Block:
         return f"{numbers} of seed {self.seed}, split {self.split!r}"
 
 
-def start(world: Params, block: Block) -> Batch:
+def start(params: Params, block: Block) -> Batch:
     """A batch on the first decision of the block's episodes."""
-    batch, everything = Batch(world, block.count), np.ones(block.count, bool)
+    batch, everything = Batch(params, block.count), np.ones(block.count, bool)
     batch.seed(np.full(block.count, block.seed, np.uint64))
     batch.split[:], batch.numbers[:] = SPLITS[block.split], block.numbers
     batch.reset(everything)
@@ -81,7 +81,7 @@ def described(error: BaseException) -> str:
     return f"{text} ({calls[-1].filename}:{calls[-1].lineno})" if calls else text
 
 
-def checked(actions: Any, name: str, world: Params, count: int) -> tuple[np.ndarray, np.ndarray]:
+def checked(actions: Any, name: str, params: Params, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Decoded actions (n, 3), and the rows whose action is not finite, which fly on with zero."""
     bad = np.zeros(count, bool)
     try:
@@ -89,22 +89,22 @@ def checked(actions: Any, name: str, world: Params, count: int) -> tuple[np.ndar
         if values.dtype.kind == "f" and values.ndim == 2 and len(values) == count:
             bad = ~np.isfinite(values).all(axis=1)
             values[bad] = 0.0
-        return decode(values, world, count), bad
+        return decode(values, params, count), bad
     except Exception as error:  # of whatever kind: `actions` is anything a policy may return
         raise PolicyError(f"policy {name!r}: {' '.join(str(error).split())}") from error
 
 
-def sample_decisions(episode: np.ndarray, world: Params) -> np.ndarray:
+def sample_decisions(episode: np.ndarray, params: Params) -> np.ndarray:
     """The decision at which each encounter's range is sampled, drawn from its key: one before its planned approach."""
-    approach = np.ceil(episode["approach_s"] / world.clock.decision_s)
-    decisions = np.where(approach > 0, approach, episode["ticks"] // world.clock.ticks_per_decision)
+    approach = np.ceil(episode["approach_s"] / params.clock.decision_s)
+    decisions = np.where(approach > 0, approach, episode["ticks"] // params.clock.ticks_per_decision)
     return np.array([int(uniform(e["key"], STREAM_SAMPLE, 0) * n) for e, n in zip(episode, decisions, strict=True)])
 
 
 def fly_episodes(
     policy: Any,
     name: str,
-    world: Params,
+    params: Params,
     block: Block,
     nominal: list[np.ndarray] | None = None,
     watch: Callable[[Batch], None] | None = None,
@@ -117,7 +117,7 @@ def fly_episodes(
         Anything with SB3's `predict`.
     name : str
         For error sentences.
-    world : Params
+    params : Params
         The policy's world.
     block : Block
         Which episodes.
@@ -139,10 +139,10 @@ def fly_episodes(
     NotFiniteError
         When a state of the world is not finite.
     """
-    batch = start(world, block)
+    batch = start(params, block)
     episode, count = batch.episode, block.count
     table = np.zeros(count, TABLE)
-    sampled = sample_decisions(episode, world)
+    sampled = sample_decisions(episode, params)
     done, state = np.zeros(count, bool), None
     positions: list[np.ndarray] = []
     if watch:
@@ -150,17 +150,17 @@ def fly_episodes(
     while not done.all():
         step = len(positions)
         take = ~done & (sampled == step)
-        aircraft = batch.world.aircraft["position_m"]
+        aircraft = batch.state.aircraft["position_m"]
         table["sample_separation_m"][take] = np.linalg.norm(aircraft[take, 1] - aircraft[take, 0], axis=1)
-        table["sample_range_m"][take] = batch.world.links["range_m"][take, 0]
+        table["sample_range_m"][take] = batch.state.links["range_m"][take, 0]
         try:
             actions, state = command(policy, name, batch.observations, state, np.full(count, step == 0))
-            decoded, bad = checked(actions, name, world, count)
+            decoded, bad = checked(actions, name, params, count)
         except PolicyError as error:
             raise PolicyError(f"{error}; at decision {step} of {block}; nothing was scored") from error.__cause__
         table["fault"] |= bad & ~done
-        batch.step(decoded, done)
-        here = batch.world.aircraft["position_m"][:, 0].copy()
+        batch.step(decoded, ~done)
+        here = batch.state.aircraft["position_m"][:, 0].copy()
         if nominal is not None:
             # Where `none` ended in a collision its position is held; only encounters it survives are ever judged.
             apart = np.linalg.norm(here - nominal[min(step, len(nominal) - 1)], axis=1)
@@ -172,9 +172,9 @@ def fly_episodes(
     for column in COLUMNS_OF_EPISODE:
         table[column] = episode[column]
     table["episode"], table["missed_ticks"] = block.numbers, episode["missed"]
-    table["duration_s"] = episode["ticks"] * world.clock.tick_s
-    table["flown_s"] = episode["tick"] * world.clock.tick_s
+    table["duration_s"] = episode["ticks"] * params.clock.tick_s
+    table["flown_s"] = episode["tick"] * params.clock.tick_s
     table["deviation_end_m"] = episode["deviation_m"]
-    speed = np.linalg.norm(batch.world.aircraft["planned_mps"][:, 0], axis=1)
+    speed = np.linalg.norm(batch.state.aircraft["planned_mps"][:, 0], axis=1)
     table["planned_m"] = speed * table["flown_s"]
     return table, positions

@@ -254,14 +254,15 @@ def is_name(value: Any) -> bool:
     return isinstance(value, str) and bool(value.strip()) and len(value) <= NAME_MAX and value.isprintable()
 
 
-def _given(policy: Any, world: Params) -> list[tuple[str | None, Any]]:
+def _given(policy: Any, params: Params) -> list[tuple[str | None, Any]]:
     """Names, if any, and policies in the order given, with `none` first if it is not among them."""
     given: list[tuple[str | None, Any]] = []
     if isinstance(policy, dict):
         given = list(policy.items())
     else:
         for item in policy if isinstance(policy, (list, tuple)) else [policy]:
-            given += [(None, name) for name in able(world)] if isinstance(item, str) and item == ALL else [(None, item)]
+            is_all = isinstance(item, str) and item == ALL
+            given += [(None, name) for name in able(params)] if is_all else [(None, item)]
     if NOMINAL not in [name or item for name, item in given if isinstance(item, str)]:
         given.insert(0, (None, NOMINAL))
     return given

@@ -45,7 +45,7 @@ RANKING = (
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class BoardRow:
     """One policy of one record, without its table."""
 
     record: int  # place in the list of records, from 1
@@ -113,7 +113,7 @@ def build(folders: Sequence[str | os.PathLike[str]], out: str | os.PathLike[str]
         If `out` exists or cannot be written.
     """
     sources: list[Source] = []
-    rows: list[Row] = []
+    rows: list[BoardRow] = []
     for number, folder in enumerate(folders, 1):
         record = load(folder)
         _check(record)
@@ -178,8 +178,8 @@ def _source(record: Record, number: int) -> Source:
     )
 
 
-def _row(record: Record, policy: Policy, number: int) -> Row:
-    return Row(
+def _row(record: Record, policy: Policy, number: int) -> BoardRow:
+    return BoardRow(
         record=number,
         run=(record.suite, record.split, record.seed, record.episodes),
         official=record.official,
@@ -194,7 +194,7 @@ def _row(record: Record, policy: Policy, number: int) -> Row:
     )
 
 
-def merge(rows: Iterable[Row], sources: Sequence[Source]) -> tuple[list[Row], list[str]]:
+def merge(rows: Iterable[BoardRow], sources: Sequence[Source]) -> tuple[list[BoardRow], list[str]]:
     """Each policy once a suite, from its official or else longest run; and what was left out or looks odd.
 
     Two rows are one policy if their hashes agree and, on common encounters, their flights do. A hash covers the
@@ -205,7 +205,7 @@ def merge(rows: Iterable[Row], sources: Sequence[Source]) -> tuple[list[Row], li
     RecordError
         If two records have other flights of a policy of the package on the same encounters.
     """
-    kept: list[Row] = []
+    kept: list[BoardRow] = []
     notes: list[str] = []
     for row in sorted(rows, key=lambda row: (not row.official, -row.run[-1], row.record)):
         same = [one for one in kept if (one.run[0], one.hash) == (row.run[0], row.hash)]
@@ -230,7 +230,7 @@ def merge(rows: Iterable[Row], sources: Sequence[Source]) -> tuple[list[Row], li
     return kept, notes
 
 
-def _differing(one: Row, other: Row) -> int | None:
+def _differing(one: BoardRow, other: BoardRow) -> int | None:
     """The first common encounter whose flights differ, -1 if they are the same, None without a common encounter."""
     if one.run[1:3] != other.run[1:3]:
         return None
@@ -240,7 +240,7 @@ def _differing(one: Row, other: Row) -> int | None:
     return int(np.argmax(unlike)) if unlike.any() else -1
 
 
-def _why(twin: Row, row: Row) -> str:
+def _why(twin: BoardRow, row: BoardRow) -> str:
     if twin.official and not row.official:
         return ", in an official run"
     if twin.run[-1] > row.run[-1]:
@@ -248,7 +248,7 @@ def _why(twin: Row, row: Row) -> str:
     return " on as many encounters"
 
 
-def markup(rows: Sequence[Row], sources: Sequence[Source], notes: Sequence[str]) -> str:
+def markup(rows: Sequence[BoardRow], sources: Sequence[Source], notes: Sequence[str]) -> str:
     """The page."""
     flown = {row.run[0] for row in rows}
     suites = [*(name for name in SUITES if name in flown), *sorted(flown - set(SUITES))]
@@ -269,7 +269,7 @@ def markup(rows: Sequence[Row], sources: Sequence[Source], notes: Sequence[str])
     return render("Leaderboard", lead, sections)
 
 
-def _suite(rows: Sequence[Row], sources: Sequence[Source]) -> str:
+def _suite(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
     parts = []
     official_rows = [row for row in rows if row.official]
     others = sorted((row for row in rows if not row.official), key=lambda row: (-row.run[3], row.run[1:3]))
@@ -283,12 +283,12 @@ def _suite(rows: Sequence[Row], sources: Sequence[Source]) -> str:
     return "".join(parts)
 
 
-def _encounters(row: Row) -> str:
+def _encounters(row: BoardRow) -> str:
     _, split, seed, episodes = row.run
     return f"{episodes:,} encounters of split {text(split)}, seed {seed}"
 
 
-def _levels(rows: Sequence[Row], sources: Sequence[Source]) -> str:
+def _levels(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
     parts = []
     for level in get_args(Information):
         members = [row for row in rows if row.information == level]
@@ -298,7 +298,7 @@ def _levels(rows: Sequence[Row], sources: Sequence[Source]) -> str:
     return "".join(parts)
 
 
-def _table(rows: Sequence[Row], sources: Sequence[Source]) -> str:
+def _table(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
     by_key = {row.key: row for row in rows}
     alphabet = {key: index for index, key in enumerate(sorted(by_key))}
     places = ranking.rank(row.candidate() for row in rows)

@@ -22,12 +22,12 @@ class Entry:
     name: str
     spec: str
     policy: Any
-    world: Params
+    params: Params
 
     @property
     def hash(self) -> str:
         """SHA-256 of the specification, for a learned policy of its files, and of the interface it flies with."""
-        text = json.dumps([identity(self.spec, self.policy), self.world.interface.to_dict()], sort_keys=True)
+        text = json.dumps([identity(self.spec, self.policy), self.params.interface.to_dict()], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -39,7 +39,7 @@ def identity(spec: str, policy: Any) -> str:
     return spec if inside is None else spec.removesuffix(inside) + identity(inside, policy.base)
 
 
-def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
+def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
     """The policy as an `Entry` of a world.
 
     Parameters
@@ -48,7 +48,7 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
         A name of `rss_gym.baselines.POLICIES` with options or of `AGENTS`, the folder of a learned policy,
         `module:attribute` (an object with `predict`, or a function that takes the `Params` and returns one), or an
         object with `predict`.
-    world : Params
+    params : Params
         The suite's world.
 
     Raises
@@ -61,16 +61,16 @@ def entry(policy: Any, world: Params, name: str | None = None) -> Entry:
     if isinstance(policy, str):
         if name is None and baselines.is_folder(policy):
             name = folder_name(policy)
-        policy = _imported(policy, world) if baselines.is_code(policy) else baselines.make(policy, world)
+        policy = _imported(policy, params) if baselines.is_code(policy) else baselines.make(policy, params)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
     if isinstance(policy, (Scripted, Agent)):
-        flown = policy.world
-        needed, given = flown.interface.information, world.interface.information
+        flown = policy.params
+        needed, given = flown.interface.information, params.interface.information
         if needed not in (given, "oracle"):
             raise ParamsError(f"policy {spec!r} needs information {needed!r}, but the suite gives {given!r}")
-        world = flown
-    return Entry(name or spec, spec, policy, world)
+        params = flown
+    return Entry(name or spec, spec, policy, params)
 
 
 def folder_name(spec: str) -> str:
@@ -79,7 +79,7 @@ def folder_name(spec: str) -> str:
     return path.parent.name if path.name == "agent" and path.parent.name else path.name
 
 
-def _imported(spec: str, world: Params) -> Any:
+def _imported(spec: str, params: Params) -> Any:
     module, _, attribute = spec.partition(":")
     try:
         found = getattr(importlib.import_module(module), attribute)
@@ -88,6 +88,6 @@ def _imported(spec: str, world: Params) -> Any:
     if hasattr(found, "predict") and not isinstance(found, type):
         return found
     try:
-        return found(world)
+        return found(params)
     except Exception as error:
         raise ParamsError(f"policy {spec!r} failed to be made from the parameters: {error}") from error

@@ -143,7 +143,7 @@ def of(result: Result, differences: bool = False) -> dict[str, list[Place]]:
     prices = Prices.of(result.suite.params)
     places = {}
     for information in get_args(Information):
-        members = [one for one in result.policies if one.entry.world.interface.information == information]
+        members = [one for one in result.policies if one.entry.params.interface.information == information]
         if members:
             places[information] = rank(
                 (Candidate.of(one.entry.name, one.table, prices) for one in members), differences

@@ -77,7 +77,7 @@ def _policy(scored: Scored, written: dict[str, str]) -> dict[str, Any]:
         "name": scored.entry.name,
         "spec": scored.entry.spec,
         "hash": scored.entry.hash,
-        "information": scored.entry.world.interface.information,
+        "information": scored.entry.params.interface.information,
         "metrics": {name: dataclasses.asdict(estimate) for name, estimate in scored.metrics.items()},
         **written,
     }

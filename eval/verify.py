@@ -223,7 +223,7 @@ def entries_of(
                 missing[policy.name] = f"{policy.spec!r} is not the policy that was recorded"
                 continue
         entries.append(built)
-        flown = built.world.interface.information
+        flown = built.params.interface.information
         if flown != policy.information:
             found.append(Difference(policy.name, "information", policy.information, flown))
     return entries, missing, found

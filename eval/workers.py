@@ -30,9 +30,9 @@ Recipes = tuple[Recipe, ...]
 def fly_block(entries: Sequence[Entry], block: Block) -> list[np.ndarray]:
     """Fly all policies over one block, `none` first, whose positions the manoeuvres of the others are measured from."""
     nominal = next(item for item in entries if item.name == NOMINAL)
-    table, positions = fly_episodes(nominal.policy, nominal.name, nominal.world, block)
+    table, positions = fly_episodes(nominal.policy, nominal.name, nominal.params, block)
     return [
-        table if item is nominal else fly_episodes(item.policy, item.name, item.world, block, positions)[0]
+        table if item is nominal else fly_episodes(item.policy, item.name, item.params, block, positions)[0]
         for item in entries
     ]
 

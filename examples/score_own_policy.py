@@ -20,18 +20,18 @@ class PassBehind:
 
     Parameters
     ----------
-    world : Params
+    params : Params
         Tells what the columns of an observation are.
     """
 
-    def __init__(self, world: Params) -> None:
-        self.world = world
+    def __init__(self, params: Params) -> None:
+        self.params = params
 
     def predict(
         self, rows: np.ndarray, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[np.ndarray, Any]:
         """Actions (n, 2) in [-1, 1] for observations (n, d); this policy has no memory, so `state` stays as it is."""
-        seen = observation.split(rows, self.world)
+        seen = observation.split(rows, self.params)
         near = (seen["track_valid"][:, 0] > 0.5) & (seen["planned_distance_m"][:, 0] < 30.0)
         near &= (seen["range_m"][:, 0] < 90.0) & (seen["planned_time_s"][:, 0] > 0.0)
         # An action is a change of velocity in shares of the speed limit; zero would keep the present offset.

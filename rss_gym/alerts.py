@@ -7,17 +7,17 @@ import numpy as np
 from rss_gym.encounters.sampler import leg_at, planned
 from rss_gym.jit import inner
 from rss_gym.lanes import is_fresh, load_message
-from rss_gym.links import silent
+from rss_gym.links import in_outage
 from rss_gym.physics.geometry import assign, enters_cylinder, turned
 from rss_gym.physics.random import uniform
-from rss_gym.records import RANGES
 from rss_gym.safety import STD_TO_80_PERCENT, violates, zone_radius_m
+from rss_gym.state import RANGES
 from rss_gym.streams import STREAM_MESSAGE
 
 
 @inner(forceinline=True)
-def witness(config, block, e, lanes, r):
-    """Events of the tick between the agent and an intruder, on lane r."""
+def detect_events(config, block, e, lanes, r):
+    """Least separation (m) and events of the tick between the agent and an intruder, on lane r."""
     block.nearest_m[r] = min(block.nearest_m[r], lanes.least_m[r])
     if lanes.least_m[r] < e.min_separation_m:
         e.min_separation_m, e.closest_s = lanes.least_m[r], (e.tick - 1) * config.tick_s + config.tick_s
@@ -33,8 +33,8 @@ def witness(config, block, e, lanes, r):
 
 
 @inner(forceinline=True)
-def add_up(config, block, e, r):
-    """What the tick adds to the sums of the flight, on lane r."""
+def add_closeness(config, block, e, r):
+    """Add the tick's squared closeness and depth inside the zone (no unit) to the sums of the flight, on lane r."""
     closeness = max(0.0, 1.0 - block.nearest_m[r] / config.comfort_m)
     e.proximity_sum += closeness * closeness
     e.severity_sum += max(0.0, 1.0 - block.nearest_m[r] / config.radius_m)
@@ -42,7 +42,7 @@ def add_up(config, block, e, r):
 
 
 @inner(forceinline=True)
-def alert(config, e, k, contact, path, agent, craft, lanes, link, leaving, arriving, r):
+def update_contact(config, e, k, contact, path, agent, intruder, lanes, link, leaving, arriving, r):
     """Warning and messages of intruder k after a tick.
 
     `contact`, `path` (its aircraft), `leaving` and `arriving` (its messages of now and of `latency_ticks` ago, the same
@@ -51,27 +51,27 @@ def alert(config, e, k, contact, path, agent, craft, lanes, link, leaving, arriv
     warned = contact.warning
     if config.zone_adaptive:
         contact.radius_m = adaptive_radius_m(config, contact, agent, link, r)
-    warn(config, contact, link.range_m[r])
-    if contact.warning and not silent(contact, e.tick * config.tick_s):
+    update_warning(config, contact, link.range_m[r])
+    if contact.warning and not in_outage(contact, e.tick * config.tick_s):
         if config.information == RANGES and not contact.hovered:
             contact.hovered, path.hover_until_s = True, e.tick * config.tick_s + config.hover_s
-            craft.hover_until_s[r] = path.hover_until_s
-        send(config, e, k, contact, path, craft, leaving, r)
+            intruder.hover_until_s[r] = path.hover_until_s
+        send_message(config, e, k, contact, path, intruder, leaving, r)
     else:
         leaving.sent = False
     if arriving.sent:
-        hold(config, contact, arriving)
+        store_message(config, contact, arriving)
         load_message(lanes, r, contact, config.information != RANGES)
     elif not is_fresh(contact):
         lanes.known[r] = 0.0
-    judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
+    score_warning(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
 
 
 @inner(forceinline=True)
-def warn(config, contact, range_m):
+def update_warning(config, contact, range_m):
     """Open or close a warning by (29) with hysteresis."""
     violated = violates(range_m, contact.radius_m)
-    contact.streak = contact.streak + 1 if violated else 0
+    contact.consecutive_warnings = contact.consecutive_warnings + 1 if violated else 0
     near = violates(range_m, config.warning_close_ratio * contact.radius_m)
     contact.clear_s = 0.0 if near else contact.clear_s + config.tick_s
     contact.age_s += config.tick_s
@@ -92,26 +92,26 @@ def planned_ahead(path, lanes, ahead_s, r):
 
 
 @inner(forceinline=True)
-def send(config, e, k, contact, path, craft, message, r):
+def send_message(config, e, k, contact, path, sender, message, r):
     """An intruder states its own solution: where it is, how fast, how sure, and where it plans to be.
 
     The next way point is the planned way over `announce_s` from now, displaced as the sender's solution is and led
-    astray by the error of its velocity, so that it tells no more than the sender knows of itself.
+    astray by the error of its velocity, so that it carries no more than the sender knows of itself.
     """
     message.sent = config.message_loss <= 0.0 or uniform(e.key, STREAM_MESSAGE + k, e.tick) >= config.message_loss
-    message.std_m = craft.solution_std_m[r]
-    ahead = planned_ahead(path, craft, config.announce_s, r)
+    message.std_m = sender.solution_std_m[r]
+    ahead = planned_ahead(path, sender, config.announce_s, r)
     for axis in range(3):
-        message.velocity_mps[axis] = craft.solution_mps[axis, r]
-        message.position_m[axis] = craft.solution_m[axis, r]
-        astray_m = config.announce_s * craft.velocity_error_mps[axis, r]
-        message.way_point_m[axis] = craft.solution_m[axis, r] + (ahead[axis] + astray_m)
+        message.velocity_mps[axis] = sender.solution_mps[axis, r]
+        message.position_m[axis] = sender.solution_m[axis, r]
+        error_m = config.announce_s * sender.velocity_error_mps[axis, r]
+        message.way_point_m[axis] = sender.solution_m[axis, r] + (ahead[axis] + error_m)
     if contact.false_turn[1] != 0.0 and path.leg > 0:
-        mislead(contact, message)
+        falsify_message(contact, message)
 
 
 @inner(forceinline=True)
-def hold(config, contact, message):
+def store_message(config, contact, message):
     """A message arrives and replaces the one held."""
     contact.valid, contact.age_s = True, config.latency_ticks * config.tick_s
     assign(contact.velocity_mps, message.velocity_mps)
@@ -122,8 +122,8 @@ def hold(config, contact, message):
 
 
 @inner(forceinline=True)
-def mislead(contact, message):
-    """Turn what a message tells of the way ahead; where the sender is stays true."""
+def falsify_message(contact, message):
+    """Turn velocity and way point of a message; the position stays true."""
     v, p, w = message.velocity_mps, message.position_m, message.way_point_m
     c, s = contact.false_turn[0], contact.false_turn[1]
     v[0], v[1] = turned(v[0], v[1], c, s)
@@ -144,7 +144,7 @@ def adaptive_radius_m(config, contact, agent, link, r):
 
 
 @inner(forceinline=True)
-def judge(config, e, contact, distance_squared_m2, range_m, warned_before):
+def score_warning(config, e, contact, distance_squared_m2, range_m, warned_before):
     """Compare the warning with the true separation: first warning, false alerts, missed detections."""
     inside = distance_squared_m2 <= config.radius_m * config.radius_m
     if contact.warning and not warned_before:

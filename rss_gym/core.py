@@ -1,4 +1,4 @@
-"""The batch that every shell stands on: n environments, their records, and the calls that advance them.
+"""The batch that every shell stands on: n environments, their state, and the calls that advance them.
 
 `env.py` is a batch of one, `vector.py` a batch of n; neither holds any physics.
 """
@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 import gymnasium as gym
 import numpy as np
 
-from rss_gym import encounters, observation, records, world
+from rss_gym import encounters, observation, world
 from rss_gym.jit import announce, kernel
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.physics.motion import clip
 from rss_gym.sensed import OTHER, OWN
+from rss_gym.state import allocate
 
 SPLITS = {"train": 0, "validation": 1, "suite": 2}
 SEED_LIMIT = 2**63
@@ -92,8 +93,8 @@ class Batch:
 
     Attributes
     ----------
-    world : records.World
-        All state, as record arrays of n rows.
+    state : rss_gym.state.State
+        Record arrays of n rows.
     observations : (n, d) float32 array
         Written by `reset` and `step`; copy before handing it out.
     """
@@ -101,7 +102,7 @@ class Batch:
     def __init__(self, params: Params, n: int) -> None:
         announce(Path(__file__).resolve().parent)
         self.params, self.n = params, n
-        self.world = records.allocate(params, encounters.records(params.encounter), n)
+        self.state = allocate(params, encounters.table(params.encounter), n)
         table = observation.transforms(observation.fields(params))
         others = np.zeros((n, params.encounter.intruders), OTHER)
         self.seen = Seen(np.zeros(n, OWN), others, np.zeros(len(table)), table)
@@ -115,13 +116,13 @@ class Batch:
     @property
     def episode(self) -> np.ndarray:
         """The rows' episode records, shape (n,)."""
-        return self.world.episode
+        return self.state.episode
 
     def seed(self, seeds: np.ndarray, mask: np.ndarray | slice = slice(None)) -> None:
         """Give rows a seed; their next episode is number 0 of it, on split `train`."""
         self.seeds[mask], self.numbers[mask], self.split[mask] = seeds, 0, SPLITS["train"]
 
-    def choose(self, options: Mapping[str, Any], mask: np.ndarray) -> None:
+    def apply_options(self, options: Mapping[str, Any], mask: np.ndarray) -> None:
         """Apply reset options that `checked_options` has returned to the rows of `mask`."""
         if "split" in options:
             self.split[mask] = SPLITS[options["split"]]
@@ -130,7 +131,7 @@ class Batch:
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
-        failed = world.start(self.world, self.seen, mask, self.split, self.seeds, self.numbers, self.observations)
+        failed = world.reset(self.state, self.seen, mask, self.split, self.seeds, self.numbers, self.observations)
         if failed >= 0:
             raise ParamsError(
                 f"no encounter of families {self.params.encounter.families!r} meets the limits on closing speed, time "
@@ -140,15 +141,15 @@ class Batch:
         self.rewards[mask] = 0.0
         self.started |= mask
 
-    def step(self, actions: np.ndarray, skip: np.ndarray) -> None:
-        """Fly one decision in the rows that are not in `skip`; `actions` (n, 3) in [-1, 1] along, right, up.
+    def step(self, actions: np.ndarray, mask: np.ndarray) -> None:
+        """Fly one decision in the rows of `mask`, shape (n,); `actions` (n, 3) in [-1, 1] along, right, up.
 
         Raises
         ------
         NotFiniteError
             When a state is not finite.
         """
-        failed = world.decide(self.world, self.seen, skip, actions, self.observations, self.rewards)
+        failed = world.step(self.state, self.seen, mask, actions, self.observations, self.rewards)
         if failed >= 0:
             e = self.episode[failed]
             raise NotFiniteError(list(SPLITS)[e["split"]], int(e["seed"]), int(e["number"]))

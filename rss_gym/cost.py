@@ -3,7 +3,7 @@
     cost = deviation_price * mean deviation over the flight + snmac_price_m if there was an sNMAC
            + collision_price_m if there was a collision (+ proximity_price_m * mean squared closeness, in training)
 
-A decision's reward is the cost before it minus the cost after it, so the undiscounted return is minus the cost however
+A step's reward is the cost before it minus the cost after it, so the undiscounted return is minus the cost however
 the episode ends. While the flight lasts the means are over its whole length; a collision ends it, and from then on they
 are over the part that was flown.
 """
@@ -17,9 +17,9 @@ from rss_gym.physics.geometry import least_square_separation
 
 
 @inner(forceinline=True)
-def conclude(world, i, flown_ticks):
-    """End the decision of row i, in which `flown_ticks` were flown. Returns the reward."""
-    config, e = world.config[0], world.episode[i]
+def finish_step(state, i, flown_ticks):
+    """End the step of row i, of which `flown_ticks` were flown: its costs (m) and flags. Returns the reward (m)."""
+    config, e = state.config[0], state.episode[i]
     e.deviation_sum_m += e.deviation_m
     e.deviation_m /= flown_ticks
     e.terminated, e.truncated = e.collision, e.tick >= e.ticks and not e.collision
@@ -34,21 +34,21 @@ def conclude(world, i, flown_ticks):
     e.reward_snmac, e.cost_snmac_m = e.cost_snmac_m - snmac_m, snmac_m
     e.reward_collision = -collision_m  # a flight ends with it
     e.cost_m = deviation_m + proximity_m + snmac_m + collision_m
-    before_m, e.potential_m = e.potential_m, 0.0 if e.terminated else potential_m(world, i)
+    before_m, e.potential_m = e.potential_m, 0.0 if e.terminated else potential_m(state, i)
     e.reward_shaping = config.shaping_discount * e.potential_m - before_m
     return e.reward_deviation + e.reward_snmac + e.reward_collision + e.reward_proximity + e.reward_shaping
 
 
 @inner(forceinline=True)
-def potential_m(world, i):
+def potential_m(state, i):
     """-`shaping_m` max(0, 1 - d / `comfort_m`)^2, d the least separation that straight flight leads to."""
-    config, e = world.config[0], world.episode[i]
+    config, e = state.config[0], state.episode[i]
     if config.shaping_m == 0.0:
         return 0.0
-    agent, square = world.aircraft[i, 0], np.inf
+    agent, square = state.aircraft[i, 0], np.inf
     for k in range(e.intruders):
-        craft = world.aircraft[i, 1 + k]
-        u, v, own_u, own_v = craft.position_m, craft.velocity_mps, agent.position_m, agent.velocity_mps
+        intruder = state.aircraft[i, 1 + k]
+        u, v, own_u, own_v = intruder.position_m, intruder.velocity_mps, agent.position_m, agent.velocity_mps
         least = least_square_separation(
             u[0] - own_u[0], u[1] - own_u[1], u[2] - own_u[2], v[0] - own_v[0], v[1] - own_v[1], v[2] - own_v[2], 60.0
         )
@@ -58,17 +58,17 @@ def potential_m(world, i):
 
 
 @inner(forceinline=True)
-def is_finite(world, i):
+def is_finite(state, i):
     """Whether the state of row i is finite: where everybody is, thinks to be, and thinks the others are."""
-    e, total = world.episode[i], 0.0
+    e, total = state.episode[i], 0.0
     for a in range(1 + e.intruders):
-        craft = world.aircraft[i, a]
+        aircraft = state.aircraft[i, a]
         for axis in range(3):
-            total += craft.position_m[axis] + craft.velocity_mps[axis] + craft.solution_m[axis]
-        total += craft.solution_std_m
+            total += aircraft.position_m[axis] + aircraft.velocity_mps[axis] + aircraft.solution_m[axis]
+        total += aircraft.solution_std_m
     for k in range(e.intruders):
-        track = world.tracks[i, k]
-        total += world.links[i, k].range_m + world.links[i, k].p_dd
+        track = state.tracks[i, k]
+        total += state.links[i, k].range_m + state.links[i, k].p_dd
         if track.valid:
             for axis in range(3):
                 total += track.position_m[axis] + track.velocity_mps[axis]

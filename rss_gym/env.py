@@ -9,13 +9,13 @@ import numpy as np
 
 from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_options, checked_seed, decode, spaces
 from rss_gym.params import Params
-from rss_gym.records import EPISODE
 from rss_gym.render.painter import RENDER_FPS, Painter
+from rss_gym.state import EPISODE
 
 _NAMES = list(EPISODE.names or ())
 _COLUMNS = {name: _NAMES.index(name) for name in INFO}
 _TERMINATED, _TRUNCATED = _NAMES.index("terminated"), _NAMES.index("truncated")
-_NO_ROW, _ROW = np.zeros(1, bool), np.ones(1, bool)
+_ROW = np.ones(1, bool)
 
 
 class EncounterEnv(gym.Env[np.ndarray, Any]):
@@ -82,7 +82,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     | 22 | `intruder_0.zone_radius_m` | m | x / 120 | 0 | 3 | radius S of the safety zone in force |
     | 23 | `intruder_0.margin_m` | m | x / 120 | -3 | 3 | estimated range minus zone radius |
     | 24 | `intruder_0.warning` | 1 | x | 0 | 1 | 1 while the warning is open |
-    | 25 | `intruder_0.streak` | 1 | x | 0 | 1 | consecutive ticks inside the zone over n_d |
+    | 25 | `intruder_0.consecutive_warnings` | 1 | x | 0 | 1 | consecutive ticks inside the zone over n_d |
     | 26 | `intruder_0.message_valid` | 1 | x | 0 | 1 | 1 once a message is held; its fields and the track's are zero before |
     | 27 | `intruder_0.message_age_s` | s | x / 10 | 0 | 3 | time since the held message was sent |
     | 28 | `intruder_0.message_velocity_along_mps` | m/s | x / 5 | -3 | 3 | intruder's velocity, its own solution |
@@ -186,7 +186,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
             seed = int(self.np_random.integers(SEED_LIMIT))
         if seed is not None:
             self.batch.seed(np.array([seed], np.uint64))
-        self.batch.choose(chosen, _ROW)
+        self.batch.apply_options(chosen, _ROW)
         self.batch.reset(_ROW)
         self.painter.restart(self.batch)
         self._running = True
@@ -205,7 +205,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         if not self._running:
             raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
         batch = self.batch
-        batch.step(decode(np.asarray(action)[None], self.params, 1), _NO_ROW)
+        batch.step(decode(np.asarray(action)[None], self.params, 1), _ROW)
         self.painter.follow(batch)
         values = batch.episode[0].item()  # one conversion: a field of a record costs as much as the whole
         terminated, truncated = values[_TERMINATED], values[_TRUNCATED]

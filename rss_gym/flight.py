@@ -9,11 +9,11 @@ from rss_gym.physics.motion import clip, limit, regulate
 
 
 @inner(forceinline=True)
-def plan(craft, time_s):
+def update_plan(aircraft, time_s):
     """Write u^d, its velocity and the direction of the current leg at `time_s` of the aircraft's own clock."""
-    craft.leg = leg_at(craft, craft.leg, time_s)
-    x, y, z, vx, vy, vz = planned(craft, craft.leg, time_s)
-    p, v, along = craft.planned_m, craft.planned_mps, craft.along
+    aircraft.leg = leg_at(aircraft, aircraft.leg, time_s)
+    x, y, z, vx, vy, vz = planned(aircraft, aircraft.leg, time_s)
+    p, v, along = aircraft.planned_m, aircraft.planned_mps, aircraft.along
     p[0], p[1], p[2] = x, y, z
     v[0], v[1], v[2] = vx, vy, vz
     speed = sqrt(vx * vx + vy * vy)
@@ -22,13 +22,14 @@ def plan(craft, time_s):
 
 
 @inner
-def follow_plan(config, block, craft):
+def follow_plan(config, block, aircraft):
     """u^d on the leg being flown; an intruder's way point is just that, and stands still in a hover."""
-    leg, p, v, w, wv = craft.leg_m, craft.planned_m, craft.planned_mps, craft.way_point_m, craft.way_point_mps
+    leg, p, v = aircraft.leg_m, aircraft.planned_m, aircraft.planned_mps
+    w, wv = aircraft.way_point_m, aircraft.way_point_mps
     for axis in range(3):
         for r in range(block.rows):
-            p[axis, r] = leg[axis, r] + v[axis, r] * (craft.clock_s[r] - craft.leg_s[r])
-            hover = (block.tick[r] - 1.0) * config.tick_s < craft.hover_until_s[r]
+            p[axis, r] = leg[axis, r] + v[axis, r] * (aircraft.clock_s[r] - aircraft.leg_s[r])
+            hover = (block.tick[r] - 1.0) * config.tick_s < aircraft.hover_until_s[r]
             w[axis, r], wv[axis, r] = p[axis, r], (0.0 if hover else 1.0) * v[axis, r]
 
 
@@ -54,12 +55,12 @@ def command(config, block, agent):
 
 
 @inner
-def steer(config, block, craft):
+def steer(config, block, aircraft):
     """One tick of the autopilot towards the way point, which moves at `way_point_mps`: velocities."""
     t, k1, k2 = config.tick_s, config.position_gain_ps2, config.velocity_gain_ps
     most, speed_max, vertical_max = config.acceleration_max_mps2, config.speed_max_mps, config.vertical_speed_max_mps
-    u, v, w, wv = craft.position_m, craft.velocity_mps, craft.way_point_m, craft.way_point_mps
-    gust, ground = craft.gust_mps, craft.ground_mps
+    u, v, w, wv = aircraft.position_m, aircraft.velocity_mps, aircraft.way_point_m, aircraft.way_point_mps
+    gust, ground = aircraft.gust_mps, aircraft.ground_mps
     for r in range(block.rows):
         ax, ay, az = limit(
             regulate(w[0, r] - u[0, r], wv[0, r] - v[0, r], k1, k2),
@@ -74,9 +75,9 @@ def steer(config, block, craft):
 
 
 @inner
-def meet(config, block, agent, craft, contact):
-    """True motion of an intruder relative to the agent during the tick, and their least separation in it."""
-    t, u, v, own, own_v = config.tick_s, craft.position_m, craft.ground_mps, agent.position_m, agent.ground_mps
+def relative_motion(config, block, agent, intruder, contact):
+    """True motion (m, m/s) of an intruder relative to the agent in the tick, and their least separation (m) in it."""
+    t, u, v, own, own_v = config.tick_s, intruder.position_m, intruder.ground_mps, agent.position_m, agent.ground_mps
     for r in range(block.rows):
         x, y, z = u[0, r] - own[0, r], u[1, r] - own[1, r], u[2, r] - own[2, r]
         vx, vy, vz = v[0, r] - own_v[0, r], v[1, r] - own_v[1, r], v[2, r] - own_v[2, r]
@@ -87,16 +88,16 @@ def meet(config, block, agent, craft, contact):
 
 
 @inner
-def move(config, block, craft):
-    """Fly for one tick."""
+def move(config, block, aircraft):
+    """Fly for one tick at the velocity over ground."""
     for axis in range(3):
         for r in range(block.rows):
-            craft.position_m[axis, r] += craft.ground_mps[axis, r] * config.tick_s
+            aircraft.position_m[axis, r] += aircraft.ground_mps[axis, r] * config.tick_s
 
 
 @inner
-def measure(config, block, agent):
-    """Length of the agents' paths, and their deviation |u - u^d|."""
+def measure_path(config, block, agent):
+    """Add the tick to the length of the agents' paths and to their deviation |u - u^d|, m."""
     u, p, v = agent.position_m, agent.planned_m, agent.ground_mps
     for r in range(block.rows):
         speed = sqrt(v[0, r] * v[0, r] + v[1, r] * v[1, r] + v[2, r] * v[2, r])

@@ -22,11 +22,11 @@ invert = inverse.invert
 
 
 @inner(forceinline=True)
-def closing(config, x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, bearing_std_m):
-    """Control input psi of (12) and its Var(w), from a relative position with its uncertainty and a relative velocity.
+def control_input(config, x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, bearing_std_m):
+    """Control input psi of (12) and its Var(w) (m^2): from a relative position with its std and a relative velocity.
 
-    psi is the velocity along the bearing times the tick. An error of the bearing by std / range turns some of the
-    velocity across it into range; it persists, so its variance is inflated as a random walk must be to cover it.
+    psi (m) is the velocity (m/s) along the bearing times the tick. An error of the bearing by std / range turns some of
+    the velocity across it into range; it persists, so its variance is inflated as a random walk must be to cover it.
     """
     d = sqrt(x_m * x_m + y_m * y_m + z_m * z_m) + 1e-9
     radial = (x_m * vx_mps + y_m * vy_mps + z_m * vz_mps) / d
@@ -39,38 +39,38 @@ def closing(config, x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, bearing_std_m):
 
 
 @inner
-def face_intruder(config, block, agent, craft, contact, link):
-    """True length of the link agent-intruder, and psi while the warning keeps messages coming."""
-    u, v, p, told = agent.position_m, craft.position_m, agent.solution_m, contact.position_m
-    own_v, told_v = agent.solution_mps, contact.velocity_mps
+def link_geometry_intruder(config, block, agent, intruder, contact, link):
+    """Squared true length (m^2) of the link agent-intruder; psi and Var(w) (m, m^2) while messages come."""
+    u, v, p, stated = agent.position_m, intruder.position_m, agent.solution_m, contact.position_m
+    own_v, stated_v = agent.solution_mps, contact.velocity_mps
     for r in range(block.rows):
         x, y, z = u[0, r] - v[0, r], u[1, r] - v[1, r], u[2, r] - v[2, r]
         link.distance_squared_m2[r] = x * x + y * y + z * z
-        x, y, z = told[0, r] - p[0, r], told[1, r] - p[1, r], told[2, r] - p[2, r]
-        vx, vy, vz = told_v[0, r] - own_v[0, r], told_v[1, r] - own_v[1, r], told_v[2, r] - own_v[2, r]
+        x, y, z = stated[0, r] - p[0, r], stated[1, r] - p[1, r], stated[2, r] - p[2, r]
+        vx, vy, vz = stated_v[0, r] - own_v[0, r], stated_v[1, r] - own_v[1, r], stated_v[2, r] - own_v[2, r]
         variance = contact.std_m[r] * contact.std_m[r] + agent.solution_std_m[r] * agent.solution_std_m[r]
-        psi, noise = closing(config, x, y, z, vx, vy, vz, sqrt(variance))
+        psi, noise = control_input(config, x, y, z, vx, vy, vz, sqrt(variance))
         known = contact.known[r] > 0.0
         link.psi_m[r], link.process_noise_m2[r] = psi if known else 0.0, noise if known else config.process_noise_m2
 
 
 @inner
-def face_node(config, block, craft, node_m, link):
-    """True length of the link of an `rss`-localised aircraft to a node, and psi from its own solution."""
+def link_geometry_node(config, block, aircraft, node_m, link):
+    """Squared true length (m^2) of an aircraft's link to a node (3,); psi and Var(w) (m, m^2) by its own solution."""
     nx, ny, nz = node_m[0], node_m[1], node_m[2]
-    u, p, v = craft.position_m, craft.solution_m, craft.solution_mps
+    u, p, v = aircraft.position_m, aircraft.solution_m, aircraft.solution_mps
     for r in range(block.rows):
         x, y, z = u[0, r] - nx, u[1, r] - ny, u[2, r] - nz
         link.distance_squared_m2[r] = x * x + y * y + z * z
         x, y, z = p[0, r] - nx, p[1, r] - ny, p[2, r] - nz
-        link.psi_m[r], link.process_noise_m2[r] = closing(
-            config, x, y, z, v[0, r], v[1, r], v[2, r], craft.solution_std_m[r]
+        link.psi_m[r], link.process_noise_m2[r] = control_input(
+            config, x, y, z, v[0, r], v[1, r], v[2, r], aircraft.solution_std_m[r]
         )
 
 
 @inner
 def transmit(block, link):
-    """Coloured noise (8) and the RSS (2)."""
+    """Coloured noise (8) in dB and the RSS (2) in dBm of a link, on every lane."""
     for r in range(block.rows):
         noise_db = gauss_markov(
             link.coloured_db[r], block.coloured_decay[r], block.coloured_drive_db[r], link.coloured_normal[r]
@@ -93,12 +93,12 @@ def receive(config, channels, episode, contacts, block, links, used):
             rss[r] = quantise(rss[r], channel.quantisation_db)
             if channel.packet_loss > 0.0 and uniform(e.key, STREAM_LOSS + g, e.tick) < channel.packet_loss:
                 rss[r] = -np.inf
-            if s < config.intruders and silent(contacts[block.row[r], s], e.tick * config.tick_s):
+            if s < config.intruders and in_outage(contacts[block.row[r], s], e.tick * config.tick_s):
                 rss[r] = -np.inf
 
 
 @inner(forceinline=True)
-def silent(contact, time_s):
+def in_outage(contact, time_s):
     """Whether the link to an intruder is in an outage."""
     return contact.silent_s <= time_s < contact.silent_until_s
 
@@ -129,7 +129,7 @@ def estimate(config, block, link):
     elif config.estimator != LEAST_SQUARES:
         estimate_white(config, block, link)
     else:
-        estimate_alone(config, block, link)
+        estimate_least_squares(config, block, link)
 
 
 @inner
@@ -170,7 +170,7 @@ def estimate_white(config, block, link):
 
 
 @inner
-def estimate_alone(config, block, link):
+def estimate_least_squares(config, block, link):
     """Least squares on each sample alone."""
     floor_m, gain, t = config.range_floor_m, config.rate_gain, config.tick_s
     for r in range(block.rows):

@@ -2,7 +2,7 @@
 
 from rss_gym.jit import inner
 from rss_gym.positioning.trilateration import closed_form, fix_std_m, gauss_newton
-from rss_gym.records import DEAD_RECKONING, GNSS, NODES, RSS
+from rss_gym.state import DEAD_RECKONING, GNSS, NODES, RSS
 
 GAUSS_NEWTON_STEPS = 3
 
@@ -14,36 +14,37 @@ def localisation(config, a):
 
 
 @inner
-def navigate(config, block, craft, mode):
-    """One tick of the solution; an `rss` solution is dead-reckoned between its fixes."""
+def navigate(config, block, aircraft, mode):
+    """One tick of the solution (m, m/s) by `mode`; an `rss` solution is dead-reckoned between its fixes."""
     s, sv, u, v, drift, t = (
-        craft.solution_m, craft.solution_mps, craft.position_m, craft.velocity_mps, craft.drift_m, config.tick_s,
+        aircraft.solution_m, aircraft.solution_mps, aircraft.position_m, aircraft.velocity_mps, aircraft.drift_m,
+        config.tick_s,
     )  # fmt: skip
     for axis in range(3):
         scale = config.gnss_m if axis < 2 else config.gnss_vertical_m
         for r in range(block.rows):
-            sv[axis, r] = v[axis, r] + craft.gust_mps[axis, r] + craft.velocity_error_mps[axis, r]
+            sv[axis, r] = v[axis, r] + aircraft.gust_mps[axis, r] + aircraft.velocity_error_mps[axis, r]
             if mode == GNSS:
-                s[axis, r] = u[axis, r] + scale * craft.gnss_error_m[axis, r]
+                s[axis, r] = u[axis, r] + scale * aircraft.gnss_error_m[axis, r]
             elif mode == DEAD_RECKONING:
-                drift[axis, r] += craft.velocity_error_mps[axis, r] * t
+                drift[axis, r] += aircraft.velocity_error_mps[axis, r] * t
                 s[axis, r] = u[axis, r] + drift[axis, r]
             else:
                 s[axis, r] += sv[axis, r] * t
 
 
 @inner
-def assess(config, block, aircraft, links):
-    """Uncertainty of everybody's solution, once a decision; for `rss` also a fix by (1) from the strongest nodes."""
+def update_fixes(config, block, aircraft, links):
+    """Accuracy (m) of everybody's solution, once a step; for `rss` also a fix by (1) from the strongest nodes."""
     for a in range(1 + config.intruders):
-        craft, mode = aircraft[a], localisation(config, a)
+        one, mode = aircraft[a], localisation(config, a)
         if mode == RSS:
             choose_nodes(config, block, links, config.intruders + NODES * a)
-            fix(block, craft)
+            trilaterate(block, one)
         else:
             for r in range(block.rows):
                 drifted_m = config.drift_mps * block.tick[r] * config.tick_s
-                craft.solution_std_m[r] = config.gnss_m if mode == GNSS else drifted_m
+                one.solution_std_m[r] = config.gnss_m if mode == GNSS else drifted_m
 
 
 @inner
@@ -73,11 +74,11 @@ def chosen_nodes(block, r):
 
 
 @inner
-def fix(block, craft):
-    """`trilateration.trilaterate`, a step of all lanes at a time."""
-    s = craft.solution_m
+def trilaterate(block, aircraft):
+    """`trilateration.trilaterate`, one iteration of all lanes at a time: `solution_m` and `solution_std_m`."""
+    s = aircraft.solution_m
     for r in range(block.rows):
-        s[2, r] = craft.position_m[2, r] + craft.barometer_error_m[r] + craft.datum_error_m[r]
+        s[2, r] = aircraft.position_m[2, r] + aircraft.barometer_error_m[r] + aircraft.datum_error_m[r]
         nodes, ranges, _ = chosen_nodes(block, r)
         s[0, r], s[1, r] = closed_form(nodes, ranges, s[2, r])
     for _ in range(GAUSS_NEWTON_STEPS):
@@ -86,4 +87,4 @@ def fix(block, craft):
             s[0, r], s[1, r] = gauss_newton(nodes, ranges, weights, s[0, r], s[1, r], s[2, r])
     for r in range(block.rows):
         nodes, ranges, weights = chosen_nodes(block, r)
-        craft.solution_std_m[r] = fix_std_m(nodes, ranges, weights, s[0, r], s[1, r], s[2, r])
+        aircraft.solution_std_m[r] = fix_std_m(nodes, ranges, weights, s[0, r], s[1, r], s[2, r])

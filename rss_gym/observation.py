@@ -91,7 +91,7 @@ _RADIO = [
     Field("zone_radius_m", "m", FAR_M, 0.0, LIMIT, "radius S of the safety zone in force"),
     Field("margin_m", "m", FAR_M, -LIMIT, LIMIT, "estimated range minus zone radius"),
     Field("warning", "1", 1.0, 0.0, 1.0, "1 while the warning is open"),
-    Field("streak", "1", 1.0, 0.0, 1.0, "consecutive ticks inside the zone over n_d"),
+    Field("consecutive_warnings", "1", 1.0, 0.0, 1.0, "consecutive ticks inside the zone over n_d"),
 ]
 _MESSAGE = [
     Field("message_valid", "1", 1.0, 0.0, 1.0, "1 once a message is held; its fields and the track's are zero before"),
@@ -196,7 +196,7 @@ def transform(raw, table, out):
 
 @inner
 def put_vector(out, at, x, y, z, along, planar):
-    """Write a vector in the axes of the leg; returns the next column."""
+    """Write a vector in the axes of the leg into `out` (d,) from column `at` on. Returns the next column."""
     out[at] = x * along[0] + y * along[1]
     out[at + 1] = x * along[1] - y * along[0]
     if planar:
@@ -240,18 +240,18 @@ def put_own(own, planar, positions, out):
 
 @inner
 def put_radio(other, out, at):
-    """Write the filter's estimate, what it holds of the radio, and the zone."""
+    """Write the filter's estimate, what it holds of the radio, and the zone: 13 columns."""
     out[at], out[at + 1], out[at + 2], out[at + 3] = 1.0, other.range_m, other.range_std_m, other.range_rate_mps
     out[at + 4], out[at + 5] = other.coloured_db, other.path_loss_factor
     out[at + 6], out[at + 7], out[at + 8] = other.white_std_db, other.coloured_std_db, other.coloured_tc_s
     out[at + 9], out[at + 10] = other.radius_m, other.range_m - other.radius_m
-    out[at + 11], out[at + 12] = 1.0 if other.warning else 0.0, other.streak
+    out[at + 11], out[at + 12] = 1.0 if other.warning else 0.0, other.consecutive_warnings
     return at + 13
 
 
 @inner
 def put_message(own, other, planar, positions, out, at):
-    """Write the message held."""
+    """Write the message held: age (s), velocity (m/s) and, with `positions`, position, way point and accuracy (m)."""
     along, v = own.along, other.velocity_mps
     out[at], out[at + 1] = 1.0, other.age_s
     at = put_vector(out, at + 2, v[0], v[1], v[2], along, planar)

@@ -51,7 +51,7 @@ def make_vec_env(id: str, n_envs: int = 256, seed: int | None = None, **keywords
     return environment
 
 
-class Row:
+class EnvRow:
     """One environment of the batch, as `get_attr`, `set_attr` and `env_method` address it."""
 
     def __init__(self, owner: EncounterVecEnv, index: int) -> None:
@@ -104,7 +104,7 @@ class EncounterVecEnv(VecEnv):
         self.batch = Batch(self.params, int(n_envs))
         self.painter = Painter(render_mode, {"render_modes": ["rgb_array"]}, int(n_envs))
         self.observation_space, self.action_space = spaces(self.params)
-        self.rows = [Row(self, index) for index in range(int(n_envs))]
+        self.rows = [EnvRow(self, index) for index in range(int(n_envs))]
         super().__init__(int(n_envs), self.observation_space, self.action_space)
         self.metadata: dict[str, Any] = {**self.metadata, "render_fps": RENDER_FPS}
         self._none, self._all = np.zeros(self.num_envs, bool), np.ones(self.num_envs, bool)
@@ -123,7 +123,7 @@ class EncounterVecEnv(VecEnv):
             if options:
                 mask = self._none.copy()
                 mask[row] = True
-                self.batch.choose(checked_options(options, 1), mask)
+                self.batch.apply_options(checked_options(options, 1), mask)
         self._reset_seeds()
         self._reset_options()
         self._actions = None
@@ -151,7 +151,7 @@ class EncounterVecEnv(VecEnv):
         if self._actions is None:
             raise gym.error.ResetNeeded("call step_async() before step_wait()")
         batch, episode = self.batch, self.batch.episode
-        batch.step(self._actions, self._none)
+        batch.step(self._actions, self._all)
         self._actions = None
         self.painter.follow(batch, self._all)
         rewards = batch.rewards.astype(np.float32)

@@ -26,7 +26,7 @@ OTHER = np.dtype(
         ("range_rate_mps", f8),
         ("radius_m", f8),
         ("warning", b1),
-        ("streak", f8),  # consecutive warnings over n_d, at most 1
+        ("consecutive_warnings", f8),  # consecutive warnings over n_d, at most 1
         # The message held
         ("valid", b1),
         ("age_s", f8),

@@ -80,7 +80,7 @@ class EncounterVectorEnv(gym.vector.VectorEnv[np.ndarray, Any, np.ndarray]):
         fresh = mask & ~self.batch.started & np.array([value is None for value in seeds])
         if fresh.any():
             self.batch.seed(self.np_random.integers(SEED_LIMIT, size=int(fresh.sum())).astype(np.uint64), fresh)
-        self.batch.choose(chosen, mask)
+        self.batch.apply_options(chosen, mask)
         self.batch.reset(mask)
         self.painter.restart(self.batch, mask)
         return self.batch.observations.copy(), self._infos(mask)
@@ -103,7 +103,7 @@ class EncounterVectorEnv(gym.vector.VectorEnv[np.ndarray, Any, np.ndarray]):
             raise gym.error.ResetNeeded(
                 f"row {np.flatnonzero(ended)[0]} has ended; reset it with reset(options={{'reset_mask': mask}})"
             )
-        batch.step(decode(actions, self.params, self.num_envs), ended)
+        batch.step(decode(actions, self.params, self.num_envs), ~ended)
         if ended.any():  # only in NEXT_STEP: the other modes never leave an ended row behind
             batch.reset(ended)
             self.painter.restart(batch, ended)

@@ -24,7 +24,7 @@ def fresh(name):
 
 def offset(batch):
     """Commanded way points minus predefined trajectories, in the axes of the legs (n, 3)."""
-    craft = batch.world.aircraft[:, 0]
+    craft = batch.state.aircraft[:, 0]
     r, along = craft["way_point_m"] - craft["planned_m"], craft["along"]
     return np.stack(
         [r[:, 0] * along[:, 0] + r[:, 1] * along[:, 1], r[:, 0] * along[:, 1] - r[:, 1] * along[:, 0], r[:, 2]], axis=1
@@ -38,13 +38,13 @@ shares = st.floats(-1.0, 1.0)
 @given(first=st.tuples(shares, shares, shares), decisions=st.integers(1, 6))
 def test_zero_keeps_the_offset(name, first, decisions):
     """Whatever it is: the way point then moves as the path does, round its turns too."""
-    batch, no_row = fresh(name), np.zeros(N, bool)
+    batch, every_row = fresh(name), np.ones(N, bool)
     first = np.array(first) * [1.0, 1.0, 0.0 if WORLDS[name].encounter.planar else 1.0]
-    batch.step(np.tile(first, (N, 1)), no_row)
-    craft = batch.world.aircraft[:, 0]
+    batch.step(np.tile(first, (N, 1)), every_row)
+    craft = batch.state.aircraft[:, 0]
     before = craft["way_point_m"] - craft["planned_m"]
     for _ in range(decisions):
-        batch.step(np.zeros((N, 3)), no_row)
+        batch.step(np.zeros((N, 3)), every_row)
         np.testing.assert_allclose(craft["way_point_m"] - craft["planned_m"], before, atol=1e-9)
 
 
@@ -55,9 +55,9 @@ def test_the_way_point_moves_at_the_planned_velocity_plus_the_change(name, actio
     params, batch = WORLDS[name], fresh(name)
     craft = params.aircraft
     action = np.array(action) * [1.0, 1.0, 0.0 if params.encounter.planar else 1.0]
-    straight = batch.world.aircraft["path_points"][:, 0] == 2
-    batch.step(np.tile(action, (N, 1)), np.zeros(N, bool))
-    cruise = np.linalg.norm(batch.world.aircraft["planned_mps"][:, 0], axis=1)
+    straight = batch.state.aircraft["path_points"][:, 0] == 2
+    batch.step(np.tile(action, (N, 1)), np.ones(N, bool))
+    cruise = np.linalg.norm(batch.state.aircraft["planned_mps"][:, 0], axis=1)
     change = action * [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
     planned = np.stack([cruise, np.zeros(N), np.zeros(N)], axis=1)
     v = planned + change
@@ -70,7 +70,7 @@ def test_the_height_stays_in_its_band():
     batch = fresh("space")
     band_m = WORLDS["space"].encounter.altitude_band_m
     for _ in range(40):
-        batch.step(np.tile([0.0, 0.0, 1.0], (N, 1)), batch.episode["terminated"])
+        batch.step(np.tile([0.0, 0.0, 1.0], (N, 1)), ~batch.episode["terminated"])
     flying = ~batch.episode["terminated"]
     np.testing.assert_allclose(offset(batch)[flying, 2], band_m, atol=1e-9)
 

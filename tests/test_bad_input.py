@@ -324,11 +324,11 @@ def test_step_after_the_end():
     while not ended:
         last = env.step(np.zeros(2))
         ended = last[2] or last[3]
-    state = env.batch.world.aircraft.tobytes()
+    state = env.batch.state.aircraft.tobytes()
     for _ in range(2):
         with pytest.raises(gym.error.ResetNeeded, match="reset"):
             env.step(np.zeros(2))
-    assert env.batch.world.aircraft.tobytes() == state
+    assert env.batch.state.aircraft.tobytes() == state
     env.reset()
     env.step(np.zeros(2))
 

@@ -14,7 +14,7 @@ from rss_gym.tracking import TRACK
 from rss_gym.tracking.approach import STILL, TIME_MAX_S, closest
 
 RADIO = ("range_m", "range_std_m", "range_rate_mps", "coloured_db", "path_loss_factor", "white_std_db")
-RADIO += ("coloured_std_db", "coloured_tc_s", "streak")
+RADIO += ("coloured_std_db", "coloured_tc_s", "consecutive_warnings")
 
 
 def axes_of(along):
@@ -105,7 +105,7 @@ def sensed(generator, k, planar, wild):
         half = scale * generator.normal(size=(2, 2))
         (track["xx"], track["xy"]), (_, track["yy"]) = half @ half.T
         track["zz"], track["side_probability"] = abs(track["zz"]), generator.random()
-    others["streak"] = generator.uniform(0.0, 1.0, k)
+    others["consecutive_warnings"] = generator.uniform(0.0, 1.0, k)
     return own, others, tracks
 
 
@@ -157,10 +157,10 @@ def test_oracle_is_the_truth(planar):
     batch.reset(np.ones(16, bool))
     generator = np.random.default_rng(0)
     for _ in range(80):
-        batch.step(generator.uniform(-1, 1, (16, 3)), batch.episode["terminated"] | batch.episode["truncated"])
+        batch.step(generator.uniform(-1, 1, (16, 3)), ~(batch.episode["terminated"] | batch.episode["truncated"]))
         out = split(batch.observations, batch.params)
-        agent, intruders = batch.world.aircraft[:, :1], batch.world.aircraft[:, 1:]
-        ground = batch.world.aircraft["velocity_mps"] + batch.world.aircraft["gust_mps"]
+        agent, intruders = batch.state.aircraft[:, :1], batch.state.aircraft[:, 1:]
+        ground = batch.state.aircraft["velocity_mps"] + batch.state.aircraft["gust_mps"]
         r, v = intruders["position_m"] - agent["position_m"], ground[:, 1:] - ground[:, :1]
         for i in range(16):
             axes = axes_of(batch.seen.own["along"][i])
@@ -196,7 +196,7 @@ def test_ahead_is_the_own_plan(information):
     for _ in range(80):
         places.append(batch.seen.own["planned_m"].copy())
         turns.append((batch.seen.own["ahead_m"].copy(), batch.seen.own["along"].copy()))
-        batch.step(np.zeros((64, 3)), ended)
+        batch.step(np.zeros((64, 3)), ~ended)
         ended |= batch.episode["terminated"] | batch.episode["truncated"]
         if ended.any():
             break

@@ -36,7 +36,7 @@ def flown(actions=0.3, n=N, **keywords):
         if len(rewards) % 10 == 0:
             held = actions * generator.uniform(-1, 1, (n, 3)) * (np.arange(n) % 2)[:, None]  # half of them do nothing
         before = batch.episode["cost_m"].copy()
-        batch.step(held, ended)
+        batch.step(held, ~ended)
         flying = ~ended
         rewards.append(np.where(flying, batch.rewards, 0.0))
         for name in TERMS:
@@ -78,8 +78,8 @@ def test_mean_deviation_is_the_flights():
     ended, distances = np.zeros(16, bool), [[] for _ in range(16)]
     generator = np.random.default_rng(0)
     while not ended.all():
-        batch.step(generator.uniform(-0.5, 0.5, (16, 3)), ended)
-        agent = batch.world.aircraft[:, 0]
+        batch.step(generator.uniform(-0.5, 0.5, (16, 3)), ~ended)
+        agent = batch.state.aircraft[:, 0]
         for i in np.flatnonzero(~ended):
             distances[i].append(np.linalg.norm(agent["position_m"][i] - agent["planned_m"][i]))
         ended |= batch.episode["terminated"] | batch.episode["truncated"]
@@ -98,7 +98,7 @@ def test_a_collision_in_the_first_decision():
         batch = Batch(params, 64)
         batch.seed(np.arange(64, dtype=np.uint64))
         batch.reset(np.ones(64, bool))
-        batch.step(np.zeros((64, 3)), np.zeros(64, bool))
+        batch.step(np.zeros((64, 3)), np.ones(64, bool))
         e = batch.episode
         hit = e["terminated"]
         assert hit.sum() > 10
@@ -114,7 +114,7 @@ def test_shaping_changes_the_discounted_return_by_the_first_potential(keywords, 
     """It telescopes; what is left is minus the potential at the start, and at the end that of a running clock."""
     shaped, rewards, _, potential = flown(shaping_m=70.0, shaping_discount=discount, **keywords)
     plain, unshaped, _, _ = flown(**keywords)
-    assert shaped.world.aircraft["position_m"].tobytes() == plain.world.aircraft["position_m"].tobytes()
+    assert shaped.state.aircraft["position_m"].tobytes() == plain.state.aircraft["position_m"].tobytes()
     np.testing.assert_array_equal(shaped.episode["cost_m"], plain.episode["cost_m"])
     steps = rewards.shape[1]
     weights = discount ** np.arange(steps)
@@ -130,8 +130,8 @@ def test_potential_is_of_the_true_predicted_miss():
     batch, _, _, _ = flown(shaping_m=70.0, comfort_m=30.0, intruders=2, intruders_min=2, n=16)
     batch.reset(np.ones(16, bool))
     for _ in range(20):
-        batch.step(np.zeros((16, 3)), np.zeros(16, bool))
-    craft = batch.world.aircraft
+        batch.step(np.zeros((16, 3)), np.ones(16, bool))
+    craft = batch.state.aircraft
     r = craft["position_m"][:, 1:] - craft["position_m"][:, :1]
     v = craft["velocity_mps"][:, 1:] - craft["velocity_mps"][:, :1]
     t = np.clip(-(r * v).sum(-1) / (v * v).sum(-1), 0.0, 60.0)

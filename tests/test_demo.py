@@ -30,7 +30,7 @@ def channel(folder):
 
 
 def test_the_rule_over_its_radius_on_two_channels(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("rss_gym.demo.able", lambda world: ["none"])  # whatever is shipped
+    monkeypatch.setattr("rss_gym.demo.able", lambda params: ["none"])  # whatever is shipped
     assert main(["demo", "--episodes", "20", "--workers", "1"]) == 0
     out, folder = capsys.readouterr().out, tmp_path / "runs" / "demo"
     assert "report: runs/demo/report.html" in out and "No learned agent" in out

@@ -22,17 +22,17 @@ def fly(**keywords):
     """
     batch = Batch(Params.of(**keywords), N)
     batch.seed(np.arange(N, dtype=np.uint64))
-    batch.choose({"split": "validation"}, np.ones(N, bool))
+    batch.apply_options({"split": "validation"}, np.ones(N, bool))
     batch.reset(np.ones(N, bool))
     done, over, actions, frames = np.zeros(N, bool), np.zeros(N, bool), np.zeros((N, 3)), []
     while True:
-        position, link = batch.world.aircraft["position_m"], batch.world.links[:, 0]
+        position, link = batch.state.aircraft["position_m"], batch.state.links[:, 0]
         d = np.linalg.norm(position[:, 1] - position[:, 0], axis=1)
         frames.append(np.where(over, np.nan, np.stack([d, link["range_m"], np.sqrt(link["p_dd"])])))
         if done.all():
             break
         over = done.copy()
-        batch.step(actions, done)
+        batch.step(actions, ~done)
         done |= batch.episode["terminated"] | batch.episode["truncated"]
     d, estimate, std = np.stack(frames, axis=2)
     warned_s, period_s = batch.episode["warned_s"], batch.params.clock.decision_s

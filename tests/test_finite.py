@@ -16,11 +16,11 @@ SCRIPTED = [name for name, family in encounters.FAMILIES.items() if family.scrip
 NO_TAIL = {"tail_min_s": 0.0, "tail_max_s": 0.0}
 
 
-def all_finite(world):
+def all_finite(state):
     """Every number of the rows that are present."""
-    for i, e in enumerate(world.episode):
+    for i, e in enumerate(state.episode):
         k = int(e["intruders"])
-        for records in (world.episode[i], world.aircraft[i, : 1 + k], world.links[i, :k], world.contacts[i, :k]):
+        for records in (state.episode[i], state.aircraft[i, : 1 + k], state.links[i, :k], state.contacts[i, :k]):
             for name in records.dtype.names:
                 part = records[name]
                 if part.dtype.kind == "f" and not np.isfinite(part).all():
@@ -35,13 +35,13 @@ def test_flights_that_end_at_the_closest_approach(family, intruders):
     batch = Batch(params, 16)
     batch.seed(np.arange(16, dtype=np.uint64))
     batch.reset(np.ones(16, bool))
-    assert all_finite(batch.world) and np.isfinite(batch.observations).all()
+    assert all_finite(batch.state) and np.isfinite(batch.observations).all()
     ended, generator = np.zeros(16, bool), np.random.default_rng(0)
     while not ended.all():
-        batch.step(generator.uniform(-1, 1, (16, 3)), ended)
+        batch.step(generator.uniform(-1, 1, (16, 3)), ~ended)
         assert np.isfinite(batch.observations).all() and np.isfinite(batch.rewards).all()
         ended |= batch.episode["terminated"] | batch.episode["truncated"]
-    assert all_finite(batch.world)
+    assert all_finite(batch.state)
 
 
 @pytest.mark.parametrize("intruders", range(1, 9))
@@ -51,7 +51,7 @@ def test_merging_without_a_tail(intruders):
     for _ in range(60):
         observations, rewards, *_ = env.step(np.zeros((16, 2)))
         assert np.isfinite(observations).all() and np.isfinite(rewards).all()
-    assert all_finite(env.batch.world)
+    assert all_finite(env.batch.state)
 
 
 @pytest.mark.parametrize("family", SCRIPTED)
@@ -60,14 +60,14 @@ def test_written_encounters(family):
     assert np.isfinite(env.reset(seed=0)[0]).all()
     for _ in range(60):
         assert np.isfinite(env.step(np.zeros((4, 2)))[0]).all()
-    assert all_finite(env.batch.world)
+    assert all_finite(env.batch.state)
 
 
 BREAKS = {
-    "position": lambda world, row: world.aircraft[row, 0]["position_m"].__setitem__(1, np.nan),
-    "velocity of the intruder": lambda world, row: world.aircraft[row, 1]["velocity_mps"].__setitem__(0, np.nan),
-    "solution": lambda world, row: world.aircraft[row, 0]["solution_m"].__setitem__(0, np.inf),
-    "range": lambda world, row: world.links[row].__setitem__("range_m", np.nan),
+    "position": lambda state, row: state.aircraft[row, 0]["position_m"].__setitem__(1, np.nan),
+    "velocity of the intruder": lambda state, row: state.aircraft[row, 1]["velocity_mps"].__setitem__(0, np.nan),
+    "solution": lambda state, row: state.aircraft[row, 0]["solution_m"].__setitem__(0, np.inf),
+    "range": lambda state, row: state.links[row].__setitem__("range_m", np.nan),
 }
 
 
@@ -93,7 +93,7 @@ def test_a_state_made_not_finite_is_named(kind, name):
     actions = np.zeros(env.action_space.shape) if kind != "sb3" else np.zeros((3, 2))
     for _ in range(3):
         env.step(actions)
-    BREAKS[name](env.batch.world, row)
+    BREAKS[name](env.batch.state, row)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         with pytest.raises(NotFiniteError, match=rf"episode 6 of seed {seed}, split 'validation'") as caught:

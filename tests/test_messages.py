@@ -20,7 +20,7 @@ def flight(batch, ticks=500):
     """Fly with no action; yields the rows flying, after each tick."""
     ended = np.zeros(batch.n, bool)
     for _ in range(ticks):
-        batch.step(np.zeros((batch.n, 3)), ended)
+        batch.step(np.zeros((batch.n, 3)), ~ended)
         ended |= batch.episode["terminated"] | batch.episode["truncated"]
         if ended.all():
             return
@@ -29,7 +29,7 @@ def flight(batch, ticks=500):
 
 def own_statement(batch):
     """What intruder 0 of each row knows of itself now: position, velocity, accuracy."""
-    craft = batch.world.aircraft[:, 1]
+    craft = batch.state.aircraft[:, 1]
     return craft["solution_m"].copy(), craft["solution_mps"].copy(), craft["solution_std_m"].copy()
 
 
@@ -38,7 +38,7 @@ def test_the_held_message_was_sent_a_latency_ago(latency_s):
     """GNSS: no fix moves a solution between the message and the end of the decision."""
     batch = fresh(intruder="gnss", message_latency_s=latency_s, families="crossing")
     late, past, arrivals = round(latency_s / 0.1), [own_statement(batch)], 0
-    contact = batch.world.contacts[:, 0]
+    contact = batch.state.contacts[:, 0]
     for flying in flight(batch):
         past.append(own_statement(batch))
         new = flying & contact["valid"] & np.isclose(contact["age_s"], latency_s, atol=0.01)
@@ -55,7 +55,7 @@ def test_the_held_message_was_sent_a_latency_ago(latency_s):
 
 def test_messages_come_on_every_tick_while_the_warning_is_open():
     batch = fresh()
-    contact = batch.world.contacts[:, 0]
+    contact = batch.state.contacts[:, 0]
     for flying in flight(batch):
         open_ = flying & contact["warning"]
         assert contact["valid"][open_].all()
@@ -66,7 +66,7 @@ def test_messages_come_on_every_tick_while_the_warning_is_open():
 def test_the_age_is_the_time_since_it_was_sent():
     """In the observation too, after the warning has closed."""
     batch = fresh(message_latency_s=0.5)
-    contact, sent = batch.world.contacts[:, 0], np.full(N, np.nan)
+    contact, sent = batch.state.contacts[:, 0], np.full(N, np.nan)
     grown = 0
     for n, flying in enumerate(flight(batch, 900), start=1):
         new = flying & contact["valid"] & (contact["age_s"] < 0.55)
@@ -81,7 +81,7 @@ def test_the_age_is_the_time_since_it_was_sent():
 @pytest.mark.parametrize("loss", [0.1, 0.5, 0.9])
 def test_the_share_that_is_lost(loss):
     batch = fresh(256, message_loss=loss)
-    contact, sent, heard = batch.world.contacts[:, 0], 0, 0
+    contact, sent, heard = batch.state.contacts[:, 0], 0, 0
     for flying in flight(batch):
         open_ = flying & contact["warning"]
         sent += int(open_.sum())
@@ -94,9 +94,9 @@ def test_the_share_that_is_lost(loss):
 def test_nobody_hears_anything_when_all_are_lost(information):
     batch = fresh(message_loss=1.0, information=information)
     for _ in flight(batch):
-        assert not batch.world.contacts["valid"].any()
-        assert not batch.world.tracks["valid"].any()
-    assert batch.world.contacts["warning"].any()
+        assert not batch.state.contacts["valid"].any()
+        assert not batch.state.tracks["valid"].any()
+    assert batch.state.contacts["warning"].any()
 
 
 def test_loss_is_the_same_for_every_policy():
@@ -104,11 +104,11 @@ def test_loss_is_the_same_for_every_policy():
     still, busy = fresh(message_loss=0.5), fresh(message_loss=0.5)
     ended, generator, seen = np.zeros(N, bool), np.random.default_rng(0), 0
     for _ in range(300):
-        still.step(np.zeros((N, 3)), ended)
-        busy.step(generator.uniform(-1, 1, (N, 3)), ended)
+        still.step(np.zeros((N, 3)), ~ended)
+        busy.step(generator.uniform(-1, 1, (N, 3)), ~ended)
         for batch in (still, busy):
             ended = ended | batch.episode["terminated"] | batch.episode["truncated"]
-        one, two = still.world.contacts[:, 0], busy.world.contacts[:, 0]
+        one, two = still.state.contacts[:, 0], busy.state.contacts[:, 0]
         both = ~ended & one["warning"] & two["warning"] & one["valid"] & two["valid"]
         assert np.array_equal(one["age_s"][both] == 0.0, two["age_s"][both] == 0.0)
         seen += int(both.sum())
@@ -120,7 +120,7 @@ def test_loss_is_the_same_for_every_policy():
 def test_the_way_point_of_a_straight_intruder(announce_s, localisation):
     """Its position, and `announce_s` times the planned velocity plus the sender's own error of velocity."""
     batch = fresh(families="crossing", intruder=localisation, announce_s=announce_s, planar=False)
-    contact, craft, count = batch.world.contacts[:, 0], batch.world.aircraft[:, 1], 0
+    contact, craft, count = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
     for flying in flight(batch, 200):
         new = flying & contact["valid"] & (contact["age_s"] == 0.0)
         ahead = contact["way_point_m"] - contact["position_m"]
@@ -135,7 +135,7 @@ def test_the_way_point_of_a_straight_intruder(announce_s, localisation):
 def test_the_way_point_follows_the_plan_round_a_turn():
     """Where the path is `announce_s` later, minus where it is now, by NumPy's interpolation."""
     batch = fresh(families="late-turn", intruder="gnss", announce_s=6.0, velocity_mps=0.0)
-    contact, craft, bent = batch.world.contacts[:, 0], batch.world.aircraft[:, 1], 0
+    contact, craft, bent = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
     for n, flying in enumerate(flight(batch, 700), start=1):
         for i in np.flatnonzero(flying & contact["valid"] & (contact["age_s"] == 0.0)):
             points = craft["path_points"][i]
@@ -154,7 +154,7 @@ def test_nothing_heard_depends_on_the_end_of_the_flight(information):
     keywords = {"families": "turning", "information": information, "intruders": 2}
     short, long = (fresh(tail_min_s=t, tail_max_s=t, **keywords) for t in (1.0, 200.0))
     # A draw may be refused for what happens in the longer flight; then it is another encounter.
-    paths = [batch.world.aircraft["path_m"].reshape(N, -1) for batch in (short, long)]
+    paths = [batch.state.aircraft["path_m"].reshape(N, -1) for batch in (short, long)]
     alike = (paths[0] == paths[1]).all(axis=1)
     assert alike.sum() > N // 4 and (short.episode["ticks"] < long.episode["ticks"])[alike].all()
     seen = 0
@@ -163,10 +163,10 @@ def test_nothing_heard_depends_on_the_end_of_the_flight(information):
         if ended.all():
             break
         for batch in (short, long):
-            batch.step(np.full((N, 3), 0.05), ended)
+            batch.step(np.full((N, 3), 0.05), ~ended)
         rows = alike & ~ended & ~short.episode["terminated"] & ~short.episode["truncated"]
         assert short.observations[rows].tobytes() == long.observations[rows].tobytes()
-        assert short.world.contacts[rows].tobytes() == long.world.contacts[rows].tobytes()
+        assert short.state.contacts[rows].tobytes() == long.state.contacts[rows].tobytes()
         seen += int(rows.sum())
     assert ended.all() and seen > 100 * alike.sum()
 
@@ -176,7 +176,7 @@ def test_paths_go_on_beyond_their_last_way_point():
     batch = fresh(
         families="crossing", intruder="gnss", velocity_mps=0.0, announce_s=60.0, tail_min_s=100.0, tail_max_s=100.0
     )
-    contact, craft, beyond = batch.world.contacts[:, 0], batch.world.aircraft[:, 1], 0
+    contact, craft, beyond = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
     for n, flying in enumerate(flight(batch, 1500), start=1):
         new = flying & contact["valid"] & (contact["age_s"] == 0.0)
         ahead = contact["way_point_m"] - contact["position_m"]

@@ -30,7 +30,8 @@ KNOWN = {
     },
     "links": {"range_m", "p_dd", "coloured_hat_db", "rate_mps"},  # of the agent's links to intruders
     "contacts": {
-        "radius_m", "warning", "streak", "valid", "age_s", "position_m", "velocity_mps", "way_point_m", "std_m",
+        "radius_m", "warning", "consecutive_warnings", "valid", "age_s", "position_m", "velocity_mps", "way_point_m",
+        "std_m",
     },
 }  # fmt: skip
 
@@ -46,34 +47,34 @@ def _scramble(records, names, generator):
             records[name] = generator.integers(0, 2, part.shape)
 
 
-def scramble_truth(world, generator):
+def scramble_truth(state, generator):
     """Put noise on everything that is not in `KNOWN`."""
-    k = world.contacts.shape[1]
-    agents, intruders, to_nodes = world.aircraft[:, 0], world.aircraft[:, 1:], world.links[:, k:]
+    k = state.contacts.shape[1]
+    agents, intruders, to_nodes = state.aircraft[:, 0], state.aircraft[:, 1:], state.links[:, k:]
     for key, records in (
-        ("episode", world.episode),
+        ("episode", state.episode),
         ("aircraft", agents),
-        ("links", world.links[:, :k]),
-        ("contacts", world.contacts),
+        ("links", state.links[:, :k]),
+        ("contacts", state.contacts),
     ):
         _scramble(records, set(records.dtype.names) - KNOWN[key], generator)
     _scramble(intruders, intruders.dtype.names, generator)
     _scramble(to_nodes, to_nodes.dtype.names, generator)
-    world.tick_normals[:] = generator.normal(size=world.tick_normals.shape)
-    world.decision_normals[:] = generator.normal(size=world.decision_normals.shape)
+    state.tick_normals[:] = generator.normal(size=state.tick_normals.shape)
+    state.decision_normals[:] = generator.normal(size=state.decision_normals.shape)
 
 
 @numba.njit
-def sense_row(world, i, own, others):
+def sense_row(state, i, own, others):
     """What the world senses of row i; such functions have no entry from Python."""
-    config, e = world.config[0], world.episode[i]
-    sense_own(config, e, world.aircraft[i, 0], own)
+    config, e = state.config[0], state.episode[i]
+    sense_own(config, e, state.aircraft[i, 0], own)
     for k in range(len(others)):
         others[k].present = k < e.intruders
         if others[k].present:
             sense_other(
-                config, e, world.channels[e.channel], world.contacts[i, k], world.links[i, k],
-                world.aircraft[i, 1 + k], own, others[k],
+                config, e, state.channels[e.channel], state.contacts[i, k], state.links[i, k],
+                state.aircraft[i, 1 + k], own, others[k],
             )  # fmt: skip
 
 
@@ -89,16 +90,16 @@ def track_row(tracker, own, others, memories, tracks, model):
 
 def observe(batch):
     """Sense, track and write the rows anew; memories and tracks of the batch stay as they are."""
-    params, world = batch.params, batch.world
+    params, state = batch.params, batch.state
     table = fields(params)
     out, raw = np.zeros((batch.n, len(table)), np.float32), np.zeros(len(table))
     own, others = np.zeros(batch.n, OWN), np.zeros(batch.seen.others.shape, OTHER)
-    memories, tracks = world.memories.copy(), world.tracks.copy()
+    memories, tracks = state.memories.copy(), state.tracks.copy()
     information = params.interface.information
     tracker = -1 if information == "oracle" else TRACKERS[params.tracking.tracker]
     for i in range(batch.n):
-        sense_row(world, i, own[i], others[i])
-        track_row(tracker, own[i], others[i], memories[i], tracks[i], world.model[0])
+        sense_row(state, i, own[i], others[i])
+        track_row(tracker, own[i], others[i], memories[i], tracks[i], state.model[0])
         write(own[i], others[i], tracks[i], params.encounter.planar, information != "ranges", raw)
         transform(raw, transforms(table), out[i])
     return out
@@ -112,7 +113,7 @@ def flown(decisions=60, n=8, **keywords):
     generator = np.random.default_rng(0)
     for _ in range(decisions):
         ended = batch.episode["terminated"] | batch.episode["truncated"]
-        batch.step(generator.uniform(-1, 1, (n, 3)), ended)
+        batch.step(generator.uniform(-1, 1, (n, 3)), ~ended)
     return batch
 
 
@@ -140,7 +141,7 @@ def test_the_truth_does_not_reach_the_observation(planar, localisation, informat
     np.testing.assert_array_equal(before[:, columns], batch.observations[:, columns])
     assert others["valid"].any() and not others["valid"].all()
     for seed in range(10):
-        scramble_truth(batch.world, np.random.default_rng(seed))
+        scramble_truth(batch.state, np.random.default_rng(seed))
         assert observe(batch).tobytes() == before.tobytes()
 
 
@@ -148,7 +149,7 @@ def test_the_truth_reaches_the_oracle():
     """The scrambling does bite, and `oracle` is what it says."""
     batch = flown(information="oracle")
     before = observe(batch)
-    scramble_truth(batch.world, np.random.default_rng(0))
+    scramble_truth(batch.state, np.random.default_rng(0))
     columns = [f.name for f in fields(batch.params)]
     changed = (observe(batch) != before).any(axis=0)
     for name in ("offset_along_m", "intruder_0.range_m", "intruder_0.message_position_right_m"):
@@ -161,9 +162,9 @@ def test_every_known_column_is_used():
         for name in names - {"path_points", "leg", "path_m", "path_s", "intruders", "channel", "warning", "valid"}:
             batch = flown(families="turning", decisions=40)
             before = observe(batch)
-            records = getattr(batch.world, key)
+            records = getattr(batch.state, key)
             part = records[:, 0] if key == "aircraft" else records[:, :1] if key == "links" else records
-            part[name] = part[name] + (-(10**4) if part[name].dtype.kind == "i" else 0.7)  # a streak is held at 1
+            part[name] = part[name] + (-(10**4) if part[name].dtype.kind == "i" else 0.7)  # their share is held at 1
             assert (observe(batch) != before).any(), (key, name)
 
 
@@ -181,7 +182,7 @@ def test_position_is_withheld_until_it_is_sent(information):
     batch = flown(decisions=70, information=information, n=64)
     if information == "ranges":
         for name in ("position_m", "way_point_m", "std_m"):
-            assert (batch.world.contacts[name] == 0).all()
+            assert (batch.state.contacts[name] == 0).all()
             assert (batch.seen.others[name] == 0).all()
 
 
@@ -202,14 +203,14 @@ def one_decision_each(n=4000, **keywords):
     while not ended.all():
         new = generator.random(n) < 0.1
         actions[new, :2] = generator.uniform(-0.3, 0.3, (new.sum(), 2)) * generator.integers(0, 2, (new.sum(), 1))
-        batch.step(actions, ended)
+        batch.step(actions, ~ended)
         ended |= batch.episode["terminated"] | batch.episode["truncated"]
         other, e = batch.seen.others[:, 0], batch.episode
         fresh = ~ended & other["valid"] & (other["age_s"] < 0.05)
         heard += fresh
         take = fresh & (generator.random(n) * heard < 1.0)
         rows[take], left_s[take] = batch.observations[take], (e["approach_s"] - 0.1 * e["tick"])[take]
-        planned, along = batch.world.aircraft["planned_mps"][take, 1], batch.seen.own["along"][take]
+        planned, along = batch.state.aircraft["planned_mps"][take, 1], batch.seen.own["along"][take]
         right = np.stack([along[:, 1], -along[:, 0], along[:, 2]], axis=1)
         velocity[take] = np.stack([(planned * along).sum(1), (planned * right).sum(1)], axis=1)
     kept = heard > 0
@@ -303,7 +304,7 @@ def imported(module):
 
 
 def test_observation_does_not_import_the_world():
-    truth = {f"rss_gym.{name}" for name in ("world", "records", "sensing", "core", "env", "vector", "encounters")}
+    truth = {f"rss_gym.{name}" for name in ("world", "state", "sensing", "core", "env", "vector", "encounters")}
     assert not imported("rss_gym.observation") & truth
     assert not imported("rss_gym.tracking.advance") & truth
     assert not imported("rss_gym.sensed")

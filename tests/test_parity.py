@@ -188,7 +188,7 @@ def test_policies_meet_the_same_noise(keywords):
             b = busy.step(generator.choice([-1.0, 1.0], busy.action_space.shape))
             if a[2] or a[3] or b[2] or b[3]:
                 break
-            one, two = still.batch.world, busy.batch.world
+            one, two = still.batch.state, busy.batch.state
             assert one.episode["key"] == two.episode["key"]
             present = int(one.episode["intruders"][0])
             assert same(one.tick_normals, two.tick_normals)
@@ -221,18 +221,18 @@ def test_noise_does_not_depend_on_the_rest_of_the_world():
             results = [env.step(np.zeros(2)) for env in envs]
             if any(r[2] or r[3] for r in results):
                 break
-            first = envs[0].batch.world
+            first = envs[0].batch.state
             for env in envs[1:]:
-                world = env.batch.world
-                assert same(world.links["coloured_db"][0, 0], first.links["coloured_db"][0, 0])
-                assert same(world.links["wander"][0, 0], first.links["wander"][0, 0])
+                state = env.batch.state
+                assert same(state.links["coloured_db"][0, 0], first.links["coloured_db"][0, 0])
+                assert same(state.links["wander"][0, 0], first.links["wander"][0, 0])
                 # Errors of GNSS are drawn on only where there is any.
                 for column in ("gust_mps", "path_m", "path_s", "planned_m"):
-                    assert same(world.aircraft[column][0, 1], first.aircraft[column][0, 1]) or column in (
+                    assert same(state.aircraft[column][0, 1], first.aircraft[column][0, 1]) or column in (
                         "path_m",
                         "path_s",
                     )
-                    assert same(world.aircraft[column][0, 0], first.aircraft[column][0, 0]) or column in (
+                    assert same(state.aircraft[column][0, 0], first.aircraft[column][0, 0]) or column in (
                         "path_m",
                         "path_s",
                     )

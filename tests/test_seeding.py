@@ -221,12 +221,12 @@ def test_mask_touches_its_rows_only(mode):
         ({"split": "suite"}, [1, 2, 3, 4], [(50, 0), (2, 0), (52, 0), (4, 0)]),
         ({}, [1, None, 3, 5], [(50, 0), (2, 1), (52, 0), (5, 0)]),
     ]:
-        before = envs.batch.world.aircraft[~mask].tobytes(), envs.batch.world.links[~mask].tobytes()
+        before = envs.batch.state.aircraft[~mask].tobytes(), envs.batch.state.links[~mask].tobytes()
         observations = envs.batch.observations[~mask].copy()
         result, infos = envs.reset(seed=seed, options={**options, "reset_mask": mask})
         episode = envs.batch.episode
         assert list(zip(episode["seed"].tolist(), episode["number"].tolist(), strict=True)) == expected
-        assert (envs.batch.world.aircraft[~mask].tobytes(), envs.batch.world.links[~mask].tobytes()) == before
+        assert (envs.batch.state.aircraft[~mask].tobytes(), envs.batch.state.links[~mask].tobytes()) == before
         np.testing.assert_array_equal(result[~mask], observations)
         assert (infos["_min_separation_m"] == mask).all()
         assert (infos["min_separation_m"][mask] > 0).all()

@@ -9,7 +9,7 @@ import pytest
 import rss_gym
 from rss_gym import streams
 from rss_gym.params import Params
-from rss_gym.records import config, global_link, normal_streams, used_links
+from rss_gym.state import config, global_link, normal_streams, used_links
 from rss_gym.streams import STREAMS
 
 PACKAGE = Path(rss_gym.__file__).parent

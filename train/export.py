@@ -72,7 +72,7 @@ PLAIN = Inputs()
 
 def export(
     model: Any,
-    world: Params,
+    params: Params,
     out: str | os.PathLike[str],
     inputs: Inputs = PLAIN,
     training: dict[str, Any] | None = None,
@@ -83,7 +83,7 @@ def export(
     ----------
     model : BaseAlgorithm
         PPO, SAC or RecurrentPPO with a multilayer perceptron (after the recurrent layer).
-    world : Params
+    params : Params
         The world it was trained in; its interface goes into the file.
     out : path
         New folder.
@@ -105,11 +105,11 @@ def export(
     """
     from safetensors.numpy import save
 
-    document, tensors = _described(model, world, inputs)
+    document, tensors = _described(model, params, inputs)
     with new_folder(out) as folder:
         write_document(folder, document)
         (folder / WEIGHTS).write_bytes(save(tensors))
-        difference = compare(model, folder, world, inputs.normalisation)
+        difference = compare(model, folder, params, inputs.normalisation)
         if not difference <= TOLERANCE:
             raise ParamsError(
                 f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
@@ -119,17 +119,17 @@ def export(
     return difference
 
 
-def agent(model: Any, world: Params, inputs: Inputs = PLAIN) -> Agent:
+def agent(model: Any, params: Params, inputs: Inputs = PLAIN) -> Agent:
     """The policy that `export` would write, in memory; for the parameters and errors see there."""
-    document, tensors = _described(model, world, inputs)
+    document, tensors = _described(model, params, inputs)
     network = Network(**document["network"])
-    return Agent(network, {name: tensor.astype(np.float64) for name, tensor in tensors.items()}, world, document, "")
+    return Agent(network, {name: tensor.astype(np.float64) for name, tensor in tensors.items()}, params, document, "")
 
 
-def _described(model: Any, world: Params, inputs: Inputs) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _described(model: Any, params: Params, inputs: Inputs) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """`policy.json` without the training record, and the tensors of `policy.safetensors`."""
     network, tensors = _taken(model, inputs)
-    shapes = network.shapes(world)
+    shapes = network.shapes(params)
     for name, shape in shapes.items():
         if tensors[name].shape != shape:
             raise ParamsError(
@@ -139,8 +139,8 @@ def _described(model: Any, world: Params, inputs: Inputs) -> tuple[dict[str, Any
     document = {
         "format": FORMAT,
         "network": dataclasses.asdict(network),
-        "interface": {"information": world.interface.information},
-        "observation": network.inputs(world),
+        "interface": {"information": params.interface.information},
+        "observation": network.inputs(params),
         "training": {},
     }
     return document, {name: tensors[name] for name in shapes}
@@ -151,15 +151,15 @@ def write_document(folder: Path, document: dict[str, Any]) -> None:
     (folder / DOCUMENT).write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def compare(model: Any, folder: Path, world: Params, normalisation: Normalisation | None = None) -> float:
+def compare(model: Any, folder: Path, params: Params, normalisation: Normalisation | None = None) -> float:
     """Greatest difference of the actions over 1,000 decisions of ten flights, flown by the folder's policy."""
-    agent = load(folder, world)
+    agent = load(folder, params)
     rows = 10
-    batch, everything = Batch(agent.world, rows), np.ones(rows, bool)
+    batch, everything = Batch(agent.params, rows), np.ones(rows, bool)
     batch.seed(np.arange(rows, dtype=np.uint64))
     batch.reset(everything)
     memory, state, first, worst = None, None, everything, 0.0
-    mask = kept(agent.network.zeroed, agent.world, agent.network.stack)
+    mask = kept(agent.network.zeroed, agent.params, agent.network.stack)
     stacked = np.zeros((rows, agent.network.stack * batch.observations.shape[1]))
     for _ in range(OBSERVATIONS // rows):
         stacked[first] = 0.0
@@ -169,7 +169,7 @@ def compare(model: Any, folder: Path, world: Params, normalisation: Normalisatio
         expected, state = model.predict(seen, state=state, episode_start=first, deterministic=True)
         actions, memory = agent.predict(batch.observations, memory, first)
         worst = max(worst, float(np.abs(actions - expected).max()))
-        batch.step(decode(actions, agent.world, rows), np.zeros(rows, bool))
+        batch.step(decode(actions, agent.params, rows), np.ones(rows, bool))
         first = batch.episode["terminated"] | batch.episode["truncated"]
         if first.any():
             batch.reset(first)

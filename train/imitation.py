@@ -39,7 +39,7 @@ def imitate(learner: Learner) -> str:
 def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
     """What the actor sees and the rule does, float32, and how many encounters ended."""
     table, teacher = learner.recipe.imitation, learner.recipe.teacher
-    venv, batch = learner.venv, learner.course.venv.batch
+    venv, batch = learner.venv, learner.training_env.venv.batch
     normalised = venv if isinstance(venv, VecNormalize) else None
     generator = np.random.default_rng(learner.seed)
     inputs: list[np.ndarray] = []

@@ -18,11 +18,11 @@ from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 from rss_gym.baselines.agent import Agent
 from rss_gym.params import ParamsError
 from rss_gym.train import actor, export
-from rss_gym.train.course import Course
 from rss_gym.train.hyperparameters import ALGORITHMS, Sac
 from rss_gym.train.masked import Masked
 from rss_gym.train.recipe import Recipe
 from rss_gym.train.sb3_arguments import arguments, network
+from rss_gym.train.training_env import TrainingVecEnv
 
 MODEL, STATE = "model.zip", "state.json"
 RECENT = 1000  # episodes that the progress is averaged over
@@ -46,7 +46,7 @@ class Learner:
     recipe : Recipe
     seed : int
         Of the model and of the first row.
-    course : Course
+    training_env : TrainingVecEnv
         The rows.
     venv : VecEnv
         What the model sees of them.
@@ -55,7 +55,7 @@ class Learner:
 
     recipe: Recipe
     seed: int
-    course: Course
+    training_env: TrainingVecEnv
     venv: VecEnv
     model: BaseAlgorithm
 
@@ -63,8 +63,8 @@ class Learner:
     def new(cls, recipe: Recipe, seed: int) -> Learner:
         """Before its first step."""
         vec, kind = recipe.vec, ALGORITHMS[recipe.algorithm]
-        course = Course(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
-        venv: VecEnv = VecFrameStack(course, vec.stack) if vec.stack > 1 else course
+        training_env = TrainingVecEnv(recipe.params_of(recipe.stage(0)), vec.n_envs, seed)
+        venv: VecEnv = VecFrameStack(training_env, vec.stack) if vec.stack > 1 else training_env
         if recipe.policy.zeroed != "nothing":
             venv = Masked(venv, recipe.policy.zeroed, recipe.params)
         if vec.normalise_reward or vec.normalise_observation:
@@ -85,7 +85,7 @@ class Learner:
             stats_window_size=RECENT,
             **arguments(recipe.hyperparameters),
         )
-        return cls(recipe, seed, course, venv, model)
+        return cls(recipe, seed, training_env, venv, model)
 
     @classmethod
     def saved(cls, recipe: Recipe, seed: int, folder: Path) -> Learner:
@@ -100,8 +100,8 @@ class Learner:
                 getattr(model, name).data = tensor.data
             model.num_timesteps, model._n_updates = state["steps"], state["updates"]
             if recipe.stage(model.num_timesteps) != recipe.stage(0):
-                learner.course.move(recipe.params_of(recipe.stage(model.num_timesteps)))
-            learner.course.begin(np.array(state["episodes"], np.uint64))
+                learner.training_env.move(recipe.params_of(recipe.stage(model.num_timesteps)))
+            learner.training_env.begin(np.array(state["episodes"], np.uint64))
             for name, table in state["statistics"].items():
                 statistics = getattr(learner.venv, name)
                 statistics.mean, statistics.var = np.array(table["mean"]), np.array(table["variance"])
@@ -124,7 +124,7 @@ class Learner:
         state = {
             "steps": self.model.num_timesteps,
             "updates": self.model._n_updates,
-            "episodes": self.course.numbers.tolist(),
+            "episodes": self.training_env.numbers.tolist(),
             "statistics": statistics,
         }
         (folder / STATE).write_text(json.dumps(state, allow_nan=False) + "\n", encoding="utf-8")
@@ -173,7 +173,7 @@ class Learner:
 
     def move(self, stage: int) -> None:
         """Go on in the world of a stage of the curriculum, with new episodes in all rows."""
-        self.course.move(self.recipe.params_of(stage))
+        self.training_env.move(self.recipe.params_of(stage))
         self.restart()
 
     def restart(self) -> None:

@@ -24,7 +24,7 @@ from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
 from rss_gym.train.run_record import BEST
 from rss_gym.train.table import Table
-from rss_gym.train.validation import Choice, Validator
+from rss_gym.train.validation import BestTracker, Validator
 
 CHECKPOINT, BEST_MODEL = "checkpoint", "best.zip"
 PROGRESS, VALIDATION, TENSORBOARD = "progress.csv", "validation.csv", "tensorboard"
@@ -90,10 +90,10 @@ def train_seed(
         resumed = (checkpoint / STATE).exists()
         learner = Learner.saved(recipe, seed, checkpoint) if resumed else Learner.new(recipe, seed)
         done, imitates = learner.model.num_timesteps, not resumed and recipe.imitation.episodes > 0
-        rounds = Rounds(learner, folder, f"seed {index}", {**record, "seed": seed}, imitates)
+        callback = TrainingCallback(learner, folder, f"seed {index}", {**record, "seed": seed}, imitates)
         learner.model.set_logger(Logger(str(folder), _outputs(folder, done)))
         if done >= recipe.steps:
-            return rounds.times
+            return callback.times
         with tqdm(
             total=recipe.steps,
             initial=done,
@@ -103,15 +103,15 @@ def train_seed(
             disable=not show,
             position=position,
             dynamic_ncols=True,
-        ) as rounds.bar:
+        ) as callback.bar:
             model: Any = learner.model
-            model.learn(recipe.steps - done, rounds, log_interval=None, reset_num_timesteps=not resumed)
+            model.learn(recipe.steps - done, callback, log_interval=None, reset_num_timesteps=not resumed)
         for output in learner.model.logger.output_formats:
             output.close()
-        return rounds.times
+        return callback.times
 
 
-class Rounds(BaseCallback):
+class TrainingCallback(BaseCallback):
     """What happens between the updates of the learner. All of it sees a model that has learnt from all steps so far.
 
     Parameters
@@ -136,7 +136,7 @@ class Rounds(BaseCallback):
         recipe, self.first = learner.recipe, learner.model.num_timesteps
         self.validator = Validator(recipe.params, recipe.validation.episodes)
         self.validations = Table(folder / VALIDATION, "steps", self.first)
-        self.times, self.choice = Times(), Choice()
+        self.times, self.best_tracker = Times(), BestTracker()
         self._learning_since: float | None = None
         self._stage = recipe.stage(self.first)
         # Called with the steps so far when they pass a multiple of so many.
@@ -152,14 +152,14 @@ class Rounds(BaseCallback):
             self._say(imitate(self.learner))
             self.learner.restart()
             self._save()
-        self._began, self.learner.course.spent_s = perf_counter(), 0.0
+        self._began, self.learner.training_env.spent_s = perf_counter(), 0.0
         policy: Any = self.model.policy
         for name in ("forward", "predict", "predict_values"):  # what acts: SAC's, or the others'
             if hasattr(policy, name):
                 setattr(policy, name, self._timed(getattr(policy, name)))
         if (self.folder / BEST).exists():
             agent = load(self.folder / BEST, self.learner.recipe.params)
-            self.choice.best = self.validator.score(agent, "best")
+            self.best_tracker.best = self.validator.score(agent, "best")
         if self.imitates:
             self._validate(competes=self.learner.recipe.imitation.competes)
 
@@ -200,7 +200,7 @@ class Rounds(BaseCallback):
             act()
         times = self.times
         times.decisions, times.total_s = self.model.num_timesteps - self.first, perf_counter() - self._began
-        times.environment_s = self.learner.course.spent_s
+        times.environment_s = self.learner.training_env.spent_s
 
     def _stop_learning(self) -> None:
         if self._learning_since is not None:
@@ -220,7 +220,7 @@ class Rounds(BaseCallback):
     def _validate(self, competes: bool = True) -> None:
         start, steps, policy_s = perf_counter(), self.model.num_timesteps, self.times.policy_s
         score = self.validator.score(self.learner.agent(), "agent")
-        better = competes and self.choice.takes(score)
+        better = competes and self.best_tracker.takes(score)
         row = {"steps": steps, **score.to_dict(), "best": int(better)}
         if better:
             self._keep(row)

@@ -20,14 +20,14 @@ class Masked(VecEnvWrapper):
     venv : VecEnv
     zeroed : str
         Fields that the learner goes without, one of `rss_gym.baselines.masks.MASKS`.
-    world : Params
+    params : Params
         Whose observations they are, one or several side by side.
     """
 
-    def __init__(self, venv: VecEnv, zeroed: str, world: Params) -> None:
+    def __init__(self, venv: VecEnv, zeroed: str, params: Params) -> None:
         super().__init__(venv)
         width: Any = venv.observation_space.shape
-        self._kept = kept(zeroed, world, width[0] // len(observation.fields(world)))
+        self._kept = kept(zeroed, params, width[0] // len(observation.fields(params)))
 
     def reset(self) -> np.ndarray:
         """Start an episode in every row."""

@@ -128,7 +128,7 @@ class Recipe:
             raise ParamsError(f"[imitation]: {error}") from error
         if not isinstance(teacher, Scripted):
             raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
-        found = teacher.world.interface
+        found = teacher.params.interface
         if found.information != wanted.information:
             raise ParamsError(
                 f"[imitation]: policy {name!r} flies with information = {found.information!r}, and [world] has "

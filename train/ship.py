@@ -80,11 +80,11 @@ def flown_again(seeds: list[Seed], recipe: Recipe, encounters: int) -> list[Seed
 
 def card(name: str, recipe: Recipe, document: dict[str, Any], seeds: list[Seed], shipped: Seed, limits: str) -> str:
     """What the agent is, how it was made, what it reached and what it is not for."""
-    head, network, world = recipe.to_dict()["recipe"], shipped.agent.document["network"], recipe.params
+    head, network, params = recipe.to_dict()["recipe"], shipped.agent.document["network"], recipe.params
     facts = {
         "recipe": f"`{recipe.name}`, {recipe.steps:,} decisions a seed; every number of it is in `{DOCUMENT}`",
         **changed(recipe),
-        "world": f"`{recipe.env}`, {described(world)}",
+        "world": f"`{recipe.env}`, {described(params)}",
         "other than the id's": listed({key: value for key, value in recipe.world.items() if key != "channel"}),
         **later(recipe),
         "network": ", ".join(f"{key} {json.dumps(value)}" for key, value in network.items()),
@@ -113,7 +113,7 @@ A hollow point had no collision and stands at the upper end of its interval. All
 
 ## Limits
 
-- Trained and validated in the world above only: {described(world)}.
+- Trained and validated in the world above only: {described(params)}.
 - It refuses worlds with another observation: planar or not, intruders and information must be as in training.
 - Flown in simulation only.
 {limits.strip()}
@@ -121,7 +121,7 @@ A hollow point had no collision and stands at the upper end of its interval. All
 
 
 def table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown."""
+    """A table in Markdown, one line a row."""
     lines = [titles, ["---"] * len(titles), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
@@ -148,20 +148,20 @@ def row(seed: Seed) -> list[str]:
     return [*numbers, cell(cost, 1.0, ".2f"), cell(rate, 1.0, ".2e"), deviation]
 
 
-def described(world: Params) -> str:
+def described(params: Params) -> str:
     """What of a world a policy depends on, in words."""
-    encounter = world.encounter
+    encounter = params.encounter
     names = {load_channel(name): name for name in presets()}
-    channels = [names.get(channel, f"one of its own (in {DOCUMENT})") for channel in world.channels]
+    channels = [names.get(channel, f"one of its own (in {DOCUMENT})") for channel in params.channels]
     several = f"{encounter.intruders_min} to " if encounter.intruders_min else ""
     parts = {
         "": "planar" if encounter.planar else "in space",
-        "information ": f"`{world.interface.information}`",
+        "information ": f"`{params.interface.information}`",
         "intruders: ": f"{several}{encounter.intruders}",
         "families: ": f"{encounter.families}",
         "channels: ": ", ".join(channels),
-        "estimator ": f"`{world.ranging.estimator}`",
-        "tracker ": f"`{world.tracking.tracker}`",
+        "estimator ": f"`{params.ranging.estimator}`",
+        "tracker ": f"`{params.tracking.tracker}`",
     }
     return "; ".join(key + value for key, value in parts.items())
 

@@ -23,7 +23,7 @@ METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
 
 
 @dataclass(frozen=True, eq=False)
-class Score:
+class ValidationScore:
     """A policy's flights.
 
     Attributes
@@ -74,18 +74,18 @@ class Validator:
 
     Parameters
     ----------
-    world : Params
+    params : Params
     episodes : int
         How many.
     """
 
-    def __init__(self, world: Params, episodes: int) -> None:
-        self.world = world
+    def __init__(self, params: Params, episodes: int) -> None:
+        self.params = params
         self._blocks = [
             Block(SPLIT, SEED, range(first, min(first + BLOCK, episodes))) for first in range(0, episodes, BLOCK)
         ]
 
-    def score(self, policy: Any, name: str) -> Score:
+    def score(self, policy: Any, name: str) -> ValidationScore:
         """Fly `policy`, which flies in the validator's world.
 
         Raises
@@ -95,7 +95,7 @@ class Validator:
         NotFiniteError
             When a state of the world is not finite.
         """
-        zone, table = self.world.zone, self._flown(policy, name)
+        zone, table = self.params.zone, self._flown(policy, name)
         flights = Flights(
             table=table,
             none=self._none,
@@ -105,36 +105,36 @@ class Validator:
             range_error_probability=zone.range_error_probability,
             reaction_s=zone.reaction_s,
         )
-        return Score(Candidate.of(name, table, SCORE), measure(flights, METRICS))
+        return ValidationScore(Candidate.of(name, table, SCORE), measure(flights, METRICS))
 
     @cached_property
     def _none(self) -> np.ndarray:
-        return self._flown(make("none", self.world), "none")
+        return self._flown(make("none", self.params), "none")
 
     def _flown(self, policy: Any, name: str) -> np.ndarray:
-        table = np.concatenate([fly_episodes(policy, name, self.world, block)[0] for block in self._blocks])
+        table = np.concatenate([fly_episodes(policy, name, self.params, block)[0] for block in self._blocks])
         table["cost_m"] = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"])
         return table
 
 
-def ranked(scores: Mapping[str, Score]) -> list[Place]:
+def ranked(scores: Mapping[str, ValidationScore]) -> list[Place]:
     """The order of these scores, best first; names are those of their candidates."""
     return rank(score.candidate for score in scores.values())
 
 
-class Choice:
+class BestTracker:
     """Which of the policies that come one after the other is kept: the cheapest, the earlier one of equals.
 
     Parameters
     ----------
-    best : Score, optional
+    best : ValidationScore, optional
         The policy that is kept.
     """
 
-    def __init__(self, best: Score | None = None) -> None:
+    def __init__(self, best: ValidationScore | None = None) -> None:
         self.best = best
 
-    def takes(self, score: Score) -> bool:
+    def takes(self, score: ValidationScore) -> bool:
         """Whether `score` is now the best."""
         if self.best is not None:
             entries = [replace(self.best.candidate, name="1"), replace(score.candidate, name="2")]

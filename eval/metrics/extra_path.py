@@ -1,4 +1,4 @@
-"""Detours."""
+"""Length flown beyond that of the predefined trajectory."""
 
 from rss_gym.eval.intervals import Interval, mean_t
 from rss_gym.eval.metrics.metric import ONE, Flights, Metric

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Flight:
+class PaperFlight:
     """One flight, the antenna at the origin: axes north, east, up."""
 
     name: str
@@ -48,7 +48,7 @@ class Flight:
         return self.position_m / self.distance_m[:, None]
 
 
-def paper_flights() -> tuple[Flight, ...]:
+def paper_flights() -> tuple[PaperFlight, ...]:
     """The twelve flights: north, east, south and west at 10, 20 and 30 m, cruising at 2 to 5 m/s."""
     names = ("north", "east", "south", "west")
     speeds = np.linspace(*SPEEDS_MPS, 12).reshape(3, 4)
@@ -59,7 +59,7 @@ def paper_flights() -> tuple[Flight, ...]:
     )
 
 
-def tuning_flights() -> tuple[Flight, ...]:
+def tuning_flights() -> tuple[PaperFlight, ...]:
     """Eight others, on which the filters are tuned: the directions between, at 15 and 25 m, other speeds."""
     speeds = np.linspace(2.2, 4.8, 8).reshape(2, 4)
     return tuple(
@@ -69,7 +69,7 @@ def tuning_flights() -> tuple[Flight, ...]:
     )
 
 
-def _flight(name: str, bearing_deg: float, altitude_m: float, cruise_mps: float) -> Flight:
+def _flight(name: str, bearing_deg: float, altitude_m: float, cruise_mps: float) -> PaperFlight:
     reach = sqrt(REACH_M**2 - altitude_m**2) - NEAR_M
     out_s = reach / cruise_mps + cruise_mps / ACCELERATION_MPS2
     time = np.arange(0.0, 2.0 * out_s + 3.0 * HOVER_S, PERIOD_S)
@@ -77,7 +77,7 @@ def _flight(name: str, bearing_deg: float, altitude_m: float, cruise_mps: float)
     along, bearing = NEAR_M + gone, radians(bearing_deg)
     position = np.column_stack([along * cos(bearing), along * sin(bearing), np.full(len(time), altitude_m)])
     assert hypot(reach + NEAR_M, altitude_m) <= REACH_M + 1e-9
-    return Flight(name, time, position)
+    return PaperFlight(name, time, position)
 
 
 def _leg(time_s: Floats, length_m: float, cruise_mps: float) -> Floats:

@@ -50,7 +50,7 @@ def drawing_of_rule(study: Study) -> Panel:
     two, planned = np.array([70.0, 40.0]), np.array([55.0, 52.0])
     velocity = (ahead - one)[None]
     printed = literal(one[None], ahead[None], velocity, two[None], planned[None], RADIUS_M).next_j_m[0]
-    world = flown(ahead[None], velocity, planned[None], RADIUS_M).next_j_m[0]
+    params = flown(ahead[None], velocity, planned[None], RADIUS_M).next_j_m[0]
     with figure("The orthogonal rule", width_in=6.0, height_in=4.8) as drawing:
         axes = drawing.axes
         turn = np.linspace(0.0, 2.0 * np.pi, 300)
@@ -70,7 +70,7 @@ def drawing_of_rule(study: Study) -> Panel:
             (one, ahead, BLUE, "-"),
             (two, planned, MUTED, "--"),
             (two, printed, ORANGE, "-"),
-            (planned, world, GREEN, "-"),
+            (planned, params, GREEN, "-"),
         ):
             axes.annotate(
                 "", end, start, arrowprops={"arrowstyle": "->", "color": colour, "linestyle": style, "lw": 1.4}
@@ -81,7 +81,7 @@ def drawing_of_rule(study: Study) -> Panel:
             (two, "$u_j(n)$", ORANGE, (2.0, -14.0)),
             (planned, "predefined $u_j(n+1)$", MUTED, (-70.0, 8.0)),
             (printed, "$u_j(n+1)$ by (45)", ORANGE, (12.0, -10.0)),
-            (world, "as flown", GREEN, (8.0, 2.0)),
+            (params, "as flown", GREEN, (8.0, 2.0)),
         )
         for point, label, colour, offset in marks:
             axes.plot(*point, "o", color=colour, markersize=4.0)
@@ -158,7 +158,7 @@ def distances(study: Study) -> Panel:
                 share += int(np.sum(missing[found.changed] > 1e-9))
                 changed_steps += int(found.changed.sum())
     pair = _pair(study, SHOWN)
-    printed, world = pair.by_rule()
+    printed, params = pair.by_rule()
     with figure("Distance between the two aircraft") as drawing:
         axes, time = drawing.axes, np.arange(1, STEPS + 1)
         axes.plot(time, np.linalg.norm(pair.two_m[1:] - pair.one_m[1:], axis=1), color=MUTED, label="before")
@@ -170,7 +170,7 @@ def distances(study: Study) -> Panel:
         )
         axes.plot(
             time,
-            np.linalg.norm(world.next_j_m - pair.one_m[1:], axis=1),
+            np.linalg.norm(params.next_j_m - pair.one_m[1:], axis=1),
             color=GREEN,
             linestyle="--",
             label="after, zone round $u_i(n+1)$",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from rss_gym.eval.paper.flights import PERIOD_S, Flight, paper_flights, tuning_flights
+from rss_gym.eval.paper.flights import PERIOD_S, PaperFlight, paper_flights, tuning_flights
 from rss_gym.params import Channel, Group, Navigation, load_channel, number
 from rss_gym.radio import RadioLog, simulate
 from rss_gym.ranging.track import Tuning, track
@@ -61,16 +61,16 @@ METHODS: dict[str, Method] = {
 
 
 @dataclass(frozen=True)
-class Flown:
+class FlownLogs:
     """Flights with the radio logs and the measured range rates of k repetitions."""
 
-    flights: tuple[Flight, ...]
+    flights: tuple[PaperFlight, ...]
     logs: tuple[RadioLog, ...]  # (k, n) each
     range_rates_mps: tuple[Floats, ...]  # (k, n) each
 
     @classmethod
-    def of(cls, flights: tuple[Flight, ...], channel: Channel, repetitions: int, seed: int) -> Flown:
-        """Simulate."""
+    def of(cls, flights: tuple[PaperFlight, ...], channel: Channel, repetitions: int, seed: int) -> FlownLogs:
+        """Simulate the logs and the measured range rates of these flights, `repetitions` of each."""
         logs, rates = [], []
         for n, flight in enumerate(flights):
             distance = np.broadcast_to(flight.distance_m, (repetitions, len(flight.time_s)))
@@ -118,14 +118,14 @@ class Study:
         self._errors: dict[str, Floats] = {}
 
     @cached_property
-    def flown(self) -> Flown:
+    def flown(self) -> FlownLogs:
         """The twelve flights."""
-        return Flown.of(paper_flights(), self.channel, self.size.repetitions, self.seed)
+        return FlownLogs.of(paper_flights(), self.channel, self.size.repetitions, self.seed)
 
     @cached_property
-    def others(self) -> Flown:
+    def others(self) -> FlownLogs:
         """The eight flights for tuning, under noise of their own."""
-        return Flown.of(tuning_flights(), self.channel, self.size.tuning, self.seed + 1)
+        return FlownLogs.of(tuning_flights(), self.channel, self.size.tuning, self.seed + 1)
 
     def noise_m2_ps(self, name: str) -> float:
         """Var(w) per second of a method: of the grid, what errs least at 80 % on the flights for tuning."""
@@ -163,7 +163,7 @@ class Study:
         return 2.0 * float(correlation[:end].sum()) * PERIOD_S * variance / count
 
 
-def _measured_rates(flight: Flight, repetitions: int, random: np.random.Generator) -> Floats:
+def _measured_rates(flight: PaperFlight, repetitions: int, random: np.random.Generator) -> Floats:
     """(k, n): range rates from velocities that err by a Gauss-Markov process on each axis (Sec. IX-D)."""
     a = float(np.exp(-PERIOD_S / NAVIGATION.dead_reckoning_tc_s))
     drive = random.standard_normal((repetitions, 3, len(flight.time_s)))

@@ -57,8 +57,8 @@ def _policies(result: Result) -> str:
     entries = [scored.entry for scored in result.policies]
     columns = {
         "made by": [entry.spec for entry in entries],
-        "information": [entry.world.interface.information for entry in entries],
-        "actions": [entry.world.interface.action for entry in entries],
+        "information": [entry.params.interface.information for entry in entries],
+        "actions": [entry.params.interface.action for entry in entries],
         "hash": [entry.hash[:16] for entry in entries],
     }
     if columns["made by"] == [entry.name for entry in entries]:

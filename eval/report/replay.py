@@ -20,7 +20,7 @@ RULE = "orthogonal"
 SAME = ("collision", "min_separation_m", "flown_m", "flown_s")  # columns that a second flight must repeat
 
 
-class Flight:
+class ReplayFlight:
     """The samples of one flight, one a decision: call it with the batch of one, as `fly` does.
 
     Lengths are whole decimetres and the least separation whole centimetres, which keeps the page small.
@@ -37,7 +37,7 @@ class Flight:
         """Take the present moment of row 0."""
         params, episode = batch.params, batch.episode[0]
         axes = 2 if params.encounter.planar else 3
-        own, aircraft = batch.seen.own[0], batch.world.aircraft[0]
+        own, aircraft = batch.seen.own[0], batch.state.aircraft[0]
         self.own["position"] += scaled(aircraft[0]["position_m"][:axes])
         self.own["planned"] += scaled(own["planned_m"][:axes])
         self.own["way_point"] += scaled(own["way_point_m"][:axes])
@@ -152,10 +152,10 @@ def collect(result: Result) -> dict[str, Any]:
 
 def again(result: Result, index: int, row: int) -> dict[str, Any]:
     """One encounter of one policy, flown again, with its name and whether it came out as scored."""
-    scored, flight = result.policies[index], Flight()
+    scored, flight = result.policies[index], ReplayFlight()
     entry, number = scored.entry, int(scored.table["episode"][row])
     block = Block(result.suite.split, result.seed, [number])
-    table, _ = fly_episodes(entry.policy, entry.name, entry.world, block, watch=flight)
+    table, _ = fly_episodes(entry.policy, entry.name, entry.params, block, watch=flight)
     same = all(table[0][name] == scored.table[row][name] for name in SAME)
     return {"name": entry.name, "same": same, **flight.to_dict()}
 

@@ -43,7 +43,7 @@ class RoadEntry(Entry):
     @property
     def hash(self) -> str:
         """SHA-256 of the specification, for a learned policy of its files, and of what it is told."""
-        text = json.dumps([getattr(self.policy, "digest", self.spec), self.world.interface.information])
+        text = json.dumps([getattr(self.policy, "digest", self.spec), self.params.interface.information])
         return sha256(text.encode()).hexdigest()
 
 

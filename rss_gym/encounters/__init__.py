@@ -22,7 +22,7 @@ from rss_gym.encounters.parallel_pass import PARALLEL_PASS
 from rss_gym.encounters.path_loss_jump import PATH_LOSS_JUMP
 from rss_gym.encounters.turning import TURNING
 from rss_gym.params import Encounter, ParamsError, suggestion
-from rss_gym.records import FAMILY
+from rss_gym.state import FAMILY
 
 MIXED = "mixed"
 FAMILIES: dict[str, Family] = {
@@ -63,7 +63,7 @@ def chosen(encounter: Encounter) -> list[str]:
     return [name for name, family in FAMILIES.items() if name in names or (MIXED in names and family.weight > 0.0)]
 
 
-def records(encounter: Encounter) -> np.ndarray:
+def table(encounter: Encounter) -> np.ndarray:
     """The chosen families for the sampler, with cumulative weights that end at 1. Shape (f,)."""
     names = chosen(encounter)
     for name in names:

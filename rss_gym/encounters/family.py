@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rss_gym.params import ParamsError
-from rss_gym.records import FAMILY
+from rss_gym.state import FAMILY
 
 TURN_S = (6.0, 20.0)  # before the closest approach, where the intruder turns
 # The agent turns at any time of the flight: a turn of its own plan must not tell when the closest approach is.
@@ -16,7 +16,7 @@ OWN_TURN_S = (-20.0, 40.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Script:
-    """One hand-written encounter, laid from its start: the only law that may break the limits of the others.
+    """One hand-written encounter, laid from its start: the only family that may break the limits of the others.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class Complication:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Family:
-    """A law of encounters, built from the planned closest approach backwards.
+    """How the encounters of a family are drawn, built from the planned closest approach backwards.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class Family:
     complication: Complication | None = None
 
     def __post_init__(self) -> None:
-        """Check that there is one law of turns."""
+        """Check that turns are described in one place only."""
         if self.turn_rad is not None and self.complication is not None:
             raise ParamsError(f"turn_rad = {self.turn_rad} must be None beside a complication, which has its own")
 

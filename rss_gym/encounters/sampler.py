@@ -65,20 +65,20 @@ def lay_path(aircraft, x, y, z, vx, vy, approach_s, bends, bend_s, wx, wy):
 
 
 @inner
-def lay_script(law, agent, intruder, altitude_m, heading_rad):
+def lay_script(family, agent, intruder, altitude_m, heading_rad):
     """Predefined trajectories of a hand-written encounter, turned to `heading_rad`."""
     c, s = cos(heading_rad), sin(heading_rad)
-    lay_path(agent, 0.0, 0.0, altitude_m, law.own_mps * c, law.own_mps * s, 0.0, False, 0.0, 0.0, 0.0)
+    lay_path(agent, 0.0, 0.0, altitude_m, family.own_mps * c, family.own_mps * s, 0.0, False, 0.0, 0.0, 0.0)
     # Axes along and to the right of the heading.
-    x, y = law.start_m[0] * c + law.start_m[1] * s, law.start_m[0] * s - law.start_m[1] * c
-    v, w = law.velocity_mps[0], law.velocity_mps[1]
+    x, y = family.start_m[0] * c + family.start_m[1] * s, family.start_m[0] * s - family.start_m[1] * c
+    v, w = family.velocity_mps[0], family.velocity_mps[1]
     vx, vy = v * c + w * s, v * s - w * c
-    lay_path(intruder, x, y, altitude_m + law.start_m[2], vx, vy, 0.0, False, 0.0, 0.0, 0.0)
+    lay_path(intruder, x, y, altitude_m + family.start_m[2], vx, vy, 0.0, False, 0.0, 0.0, 0.0)
 
 
 @inner
 def approach_of(one, two, end_s):
-    """Time of the closest approach of two straight predefined trajectories, within [0, end_s]."""
+    """Time (s) of the closest approach of two straight predefined trajectories, within [0, end_s]."""
     ax, ay, az, avx, avy, avz = planned(one, 0, 0.0)
     bx, by, bz, bvx, bvy, bvz = planned(two, 0, 0.0)
     vx, vy, vz = bvx - avx, bvy - avy, bvz - avz
@@ -90,7 +90,7 @@ def approach_of(one, two, end_s):
 
 @inner(forceinline=True)
 def planned(aircraft, leg, time_s):
-    """u^d and its velocity at `time_s`, on leg number `leg`; beyond the last way point the last leg goes on."""
+    """u^d (m) and its velocity (m/s) at `time_s` on leg `leg`: x, y, z, vx, vy, vz. The last leg has no end."""
     p, t = aircraft.path_m, aircraft.path_s
     span_s = t[leg + 1] - t[leg]
     vx, vy = (p[leg + 1, 0] - p[leg, 0]) / span_s, (p[leg + 1, 1] - p[leg, 1]) / span_s
@@ -109,7 +109,7 @@ def leg_at(aircraft, leg, time_s):
 
 @inner
 def least_planned_separation_m(one, two, end_s):
-    """Least separation of two predefined trajectories over [0, end_s], exact on each pair of legs."""
+    """Least separation (m) of two predefined trajectories over [0, end_s], exact on each pair of legs."""
     start_s, leg_one, leg_two, least = 0.0, 0, 0, np.inf
     while start_s < end_s:
         leg_one, leg_two = leg_at(one, leg_one, start_s), leg_at(two, leg_two, start_s)
@@ -128,7 +128,7 @@ def least_planned_separation_m(one, two, end_s):
 
 @inner
 def start_separation_m(one, two):
-    """Distance of the first way points of two predefined trajectories."""
+    """Distance (m) of the first way points of two predefined trajectories."""
     square = 0.0
     for axis in range(3):
         step = one.path_m[0, axis] - two.path_m[0, axis]
@@ -138,14 +138,14 @@ def start_separation_m(one, two):
 
 @inner
 def course(aircraft, speed_mps):
-    """Horizontal velocity at `speed_mps` in the direction of the last leg of a predefined trajectory."""
+    """Horizontal velocity (x, y, m/s) at `speed_mps` in the direction of the last leg of a predefined trajectory."""
     _, _, _, vx, vy, _ = planned(aircraft, aircraft.path_points - 2, 0.0)
     scale = speed_mps / sqrt(vx * vx + vy * vy)
     return vx * scale, vy * scale
 
 
 @inner
-def choose_law(u, families):
+def choose_family(u, families):
     """Index of the family that one uniform `u` falls to, by the cumulative weights."""
     index = 0
     while u > families[index].weight:
@@ -154,13 +154,13 @@ def choose_law(u, families):
 
 
 @inner
-def miss(config, law, conflict, u, v):
+def miss(config, family, conflict, u, v):
     """Planned horizontal and vertical miss, m, signed, from two uniforms: small for a conflict, else the family's."""
     if conflict:
         horizontal = signed(u, 0.0, config.conflict_offset_m)
         vertical = signed(v, 0.0, 0.5 * config.conflict_offset_m)
     else:
-        horizontal = signed(u, law.offset_min_m, law.offset_max_m)
+        horizontal = signed(u, family.offset_min_m, family.offset_max_m)
         vertical = signed(v, 0.0, config.vertical_offset_m)
     return horizontal, 0.0 if config.planar else vertical
 
@@ -209,34 +209,34 @@ def draw(key, config, families, aircraft, intruders, tail_s):
     while k < intruders:
         intruder = aircraft[1 + k]
         index = (restart * MAX_INTRUDERS + k) * ATTEMPTS * DRAWS
-        law_index, law, conflict = 0, families[0], False
+        drawn_index, family, conflict = 0, families[0], False
         accepted = False
         for attempt in range(ATTEMPTS):
             at = index + attempt * DRAWS
             if attempt % FAMILY_ATTEMPTS == 0:
-                law_index = choose_law(uniform(key, STREAM_SAMPLER, at), families)
-                law = families[law_index]
-                conflict = uniform(key, STREAM_SAMPLER, at + 1) < law.conflict_share
-                intruder.law = law_index
-            if law.scripted:
+                drawn_index = choose_family(uniform(key, STREAM_SAMPLER, at), families)
+                family = families[drawn_index]
+                conflict = uniform(key, STREAM_SAMPLER, at + 1) < family.conflict_share
+                intruder.family = drawn_index
+            if family.scripted:
                 heading = 2.0 * pi * uniform(key, STREAM_SAMPLER, at + 2)
-                lay_script(law, agent, intruder, config.altitude_m, heading)
-                return law_index, approach_of(agent, intruder, law.end_s), law.end_s
+                lay_script(family, agent, intruder, config.altitude_m, heading)
+                return drawn_index, approach_of(agent, intruder, family.end_s), family.end_s
             speed_span = config.cruise_max_mps - config.cruise_min_mps
             speed = config.cruise_min_mps + speed_span * uniform(key, STREAM_SAMPLER, at + 2)
-            crossing = signed(uniform(key, STREAM_SAMPLER, at + 3), law.crossing_min_rad, law.crossing_max_rad)
+            crossing = signed(uniform(key, STREAM_SAMPLER, at + 3), family.crossing_min_rad, family.crossing_max_rad)
             start_m = config.start_min_m + (config.start_max_m - config.start_min_m) * uniform(
                 key, STREAM_SAMPLER, at + 4
             )
             horizontal, vertical = miss(
-                config, law, conflict, uniform(key, STREAM_SAMPLER, at + 5), uniform(key, STREAM_SAMPLER, at + 6)
+                config, family, conflict, uniform(key, STREAM_SAMPLER, at + 5), uniform(key, STREAM_SAMPLER, at + 6)
             )
-            bend_s = between(uniform(key, STREAM_SAMPLER, at + 7), law.bend_min_s, law.bend_max_s)
-            turn = signed(uniform(key, STREAM_SAMPLER, at + 8), law.turn_min_rad, law.turn_max_rad)
+            bend_s = between(uniform(key, STREAM_SAMPLER, at + 7), family.bend_min_s, family.bend_max_s)
+            turn = signed(uniform(key, STREAM_SAMPLER, at + 8), family.turn_min_rad, family.turn_max_rad)
             before = speed
-            if law.speed_change_max_mps > 0.0:
+            if family.speed_change_max_mps > 0.0:
                 before += signed(
-                    uniform(key, STREAM_SAMPLER, at + 13), law.speed_change_min_mps, law.speed_change_max_mps
+                    uniform(key, STREAM_SAMPLER, at + 13), family.speed_change_min_mps, family.speed_change_max_mps
                 )
                 if before < config.cruise_min_mps or before > config.cruise_max_mps:
                     continue
@@ -250,10 +250,10 @@ def draw(key, config, families, aircraft, intruders, tail_s):
                 # The same law of time; the agent's leg at that time gives its position and heading.
                 square = own_speed * own_speed + speed * speed - 2.0 * own_speed * speed * cos(crossing)
                 own_s = start_m / sqrt(max(square, config.closing_min_mps * config.closing_min_mps))
-                if law.merging:
+                if family.merging:
                     own_s = first_approach_s + k * STAGGER_S
                 ox, oy, oz, ovx, ovy, _ = planned(agent, leg_at(agent, 0, own_s), own_s)
-            if law.faster and speed <= own_speed:
+            if family.faster and speed <= own_speed:
                 continue
             c, s = cos(crossing), sin(crossing)
             ux, uy = ovx / own_speed, ovy / own_speed
@@ -263,7 +263,7 @@ def draw(key, config, families, aircraft, intruders, tail_s):
             if closing < config.closing_min_mps:
                 continue
             approach_s = start_m / closing if k == 0 else own_s
-            is_late = law.merging and k > 0
+            is_late = family.merging and k > 0
             if approach_s > config.time_to_approach_max_s and not is_late:
                 continue
             # Miss perpendicular to the relative velocity, so that this is the closest approach.
@@ -272,13 +272,17 @@ def draw(key, config, families, aircraft, intruders, tail_s):
             own_end_s = approach_s + tail_s
             if k == 0:
                 own_bend_s = between(
-                    uniform(key, STREAM_SAMPLER, at + 11), law.own_bend_min_s, min(law.own_bend_max_s, 0.6 * approach_s)
+                    uniform(key, STREAM_SAMPLER, at + 11),
+                    family.own_bend_min_s,
+                    min(family.own_bend_max_s, 0.6 * approach_s),
                 )
-                own_turn = signed(uniform(key, STREAM_SAMPLER, at + 12), law.own_turn_min_rad, law.own_turn_max_rad)
+                own_turn = signed(
+                    uniform(key, STREAM_SAMPLER, at + 12), family.own_turn_min_rad, family.own_turn_max_rad
+                )
                 wx, wy = turned(ovx, ovy, cos(own_turn), sin(own_turn))
                 lay_path(agent, ox, oy, oz, ovx, ovy, approach_s, own_turn != 0.0, own_bend_s, wx, wy)
             ivx, ivy = speed * dx, speed * dy
-            if law.merging:  # the way point is the closest approach
+            if family.merging:  # the way point is the closest approach
                 wx, wy, bend_s = ivx, ivy, 0.0
                 if k > 0:
                     ivx, ivy = course(aircraft[1], speed)
@@ -286,16 +290,16 @@ def draw(key, config, families, aircraft, intruders, tail_s):
                 wx, wy = turned(ivx * (before / speed), ivy * (before / speed), cos(turn), sin(turn))
             lay_path(
                 intruder, ix, iy, iz, ivx, ivy, approach_s,
-                law.bends, min(bend_s, 0.6 * approach_s), wx, wy,
+                family.bends, min(bend_s, 0.6 * approach_s), wx, wy,
             )  # fmt: skip
             miss_squared_m2 = horizontal * horizontal + vertical * vertical
             if not within_limits(config, agent, intruder, miss_squared_m2, own_end_s, is_late):
                 continue
-            if law.merging and not all_apart(aircraft, k, own_end_s):
+            if family.merging and not all_apart(aircraft, k, own_end_s):
                 continue
             accepted = True
             if k == 0:
-                family_index, first_approach_s = law_index, approach_s
+                family_index, first_approach_s = drawn_index, approach_s
             end_s = max(end_s, own_end_s)
             break
         k += 1

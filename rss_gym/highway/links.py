@@ -8,17 +8,17 @@ from math import sqrt
 
 import numpy as np
 
-from rss_gym.alerts import judge, warn
+from rss_gym.alerts import score_warning, update_warning
 from rss_gym.highway.near_miss import NEAR_MISS_S, time_to_contact_s
 from rss_gym.highway.zone import HALF_LANE_M, pair_radius_m
 from rss_gym.jit import inner, kernel
-from rss_gym.lanes import departure, load_channel, load_link, load_message, store_link
-from rss_gym.links import estimate, face_intruder, start_filter, transmit
+from rss_gym.lanes import load_channel, load_link, load_message, path_loss_offset, store_link
+from rss_gym.links import estimate, link_geometry_intruder, start_filter, transmit
 from rss_gym.physics.elementary import cos, sin
 from rss_gym.physics.noise import gauss_markov
 from rss_gym.physics.path_loss import quantise
 from rss_gym.physics.random import normal, uniform
-from rss_gym.records import ORACLE, RANGES, ROWS
+from rss_gym.state import ORACLE, RANGES, ROWS
 from rss_gym.streams import ROAD_STREAMS, STREAM_ROAD
 
 f8, i8, b1 = np.float64, np.int64, np.bool_
@@ -50,7 +50,7 @@ def stream(number):
 
 
 @inner
-def begin(config, channel, key, number, vehicle, link, contact):
+def begin_vehicle(config, channel, key, number, vehicle, link, contact):
     """Stationary processes of a vehicle that appears; nothing has been heard of it."""
     at = stream(number) + START
     link.coloured_db = channel.coloured_std_db * normal(key, at, 0)
@@ -65,16 +65,16 @@ def begin(config, channel, key, number, vehicle, link, contact):
 
 @inner
 def forget(config, link, contact):
-    """As before a vehicle was first heard."""
+    """Make link and contact those of a vehicle that was never heard."""
     link.coloured_hat_db = link.rate_mps = 0.0
     contact.radius_m = config.radius_m
     contact.warning = contact.hovered = contact.valid = False
     contact.clear_s = contact.age_s = contact.std_m = 0.0
-    contact.streak = contact.missed = 0
+    contact.consecutive_warnings = contact.missed = 0
 
 
 @kernel
-def drift(config_, channel_, key, decision, vehicles, links):
+def advance_slow_noise(config_, channel_, key, decision, vehicles, links):
     """Advance the slow processes by a decision: path loss factors, errors of positions and velocities.
 
     `vehicles` (1 + n) begin with the agent; `links` (n).
@@ -97,9 +97,9 @@ def drift(config_, channel_, key, decision, vehicles, links):
 
 
 @kernel
-def listen(
+def update_radio(
     config_, channel_, key, radio_range_m, range_error_m, states, roads, first, e_, vehicles, links, contacts, block_,
-    agent_lanes_, craft_lanes_, contact_lanes_, link_lanes_,
+    agent_, other_, message_, link_,
 ):  # fmt: skip
     """Some ticks: every vehicle on the road is ranged if in radio range, warnings open or close, messages arrive.
 
@@ -124,11 +124,11 @@ def listen(
     vehicles : (1 + n,) VEHICLE
         The agent first.
     links, contacts : (n,) LINK, CONTACT
-    block_, agent_lanes_, craft_lanes_, contact_lanes_, link_lanes_ : (1,) records
+    block_, agent_, other_, message_, link_ : (1,) BLOCK, AIRCRAFT_LANES twice, CONTACT_LANES, LINK_LANES
         Working memory.
     """
     config, channel, e, block = config_[0], channel_[0], e_[0], block_[0]
-    agent, craft, told, link = agent_lanes_[0], craft_lanes_[0], contact_lanes_[0], link_lanes_[0]
+    agent, other, message, link = agent_[0], other_[0], message_[0], link_[0]
     begin_agent(config, key, vehicles[0])
     row = 0
     for t in range(len(roads)):
@@ -143,13 +143,13 @@ def listen(
         for state in range(FAR, HELD + 1):
             i = 0
             while i < len(links):
-                i = gather(
-                    config, channel, key, e, state, i, vehicles, links, contacts, block, agent, craft, told, link
+                i = gather_vehicles(
+                    config, channel, key, e, state, i, vehicles, links, contacts, block, agent, other, message, link
                 )
-                face_intruder(config, block, agent, craft, told, link)
+                link_geometry_intruder(config, block, agent, other, message, link)
                 transmit(block, link)
                 for r in range(block.rows):
-                    lose(channel, key, e.tick, block.row[r], link, r)
+                    lose_packet(channel, key, e.tick, block.row[r], link, r)
                 if state == NEW:
                     start_filter(config, block, link, False)
                 elif state == HELD:
@@ -158,13 +158,13 @@ def listen(
                     n = block.row[r]
                     store_link(links[n], link, r)
                     if state != FAR:
-                        alert(config, channel, e, vehicles[n + 1], contacts[n], link, r)
-                    witness(config, e, range_error_m, roads[t], vehicles[0], vehicles[n + 1])
+                        update_contact(config, channel, e, vehicles[n + 1], contacts[n], link, r)
+                    detect_events(config, e, range_error_m, roads[t], vehicles[0], vehicles[n + 1])
 
 
 @inner
 def begin_agent(config, key, agent):
-    """Stationary errors of the agent's own solution."""
+    """Draw the stationary errors of the agent's own solution, once."""
     if not agent.born:
         at = stream(-1) + START
         for axis in range(2):
@@ -174,7 +174,7 @@ def begin_agent(config, key, agent):
 
 
 @inner
-def gather(config, channel, key, e, state, i, vehicles, links, contacts, block, agent, craft, told, link):
+def gather_vehicles(config, channel, key, e, state, i, vehicles, links, contacts, block, agent, other, message, link):
     """Load the next vehicles in this state, from link `i` on, into the block. Returns where to go on."""
     block.rows = 0
     while i < len(links) and block.rows < ROWS:
@@ -183,8 +183,8 @@ def gather(config, channel, key, e, state, i, vehicles, links, contacts, block, 
             block.row[r], block.rows = i, r + 1
             load_channel(block, r, channel)
             load_vehicle(config, agent, vehicles[0], r)
-            load_vehicle(config, craft, vehicles[i + 1], r)
-            load_message(told, r, contacts[i], config.information != RANGES)
+            load_vehicle(config, other, vehicles[i + 1], r)
+            load_message(message, r, contacts[i], config.information != RANGES)
             load_link(link, r, links[i], e.tick * config.tick_s)
             link.coloured_normal[r] = normal(key, stream(i) + TICK_COLOURED, e.tick)
             link.white_normal[r] = normal(key, stream(i) + TICK_WHITE, e.tick)
@@ -209,7 +209,7 @@ def classify(config, channel, key, radio_range_m, number, agent, vehicle, link, 
         vehicle.state, vehicle.heard = ABSENT, False
         return
     if not vehicle.born:
-        begin(config, channel, key, number, vehicle, link, contact)
+        begin_vehicle(config, channel, key, number, vehicle, link, contact)
     x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
     if x * x + y * y > radio_range_m * radio_range_m:
         vehicle.state, vehicle.heard = FAR, False
@@ -232,7 +232,7 @@ def load_vehicle(config, lanes, vehicle, r):
 
 
 @inner(forceinline=True)
-def lose(channel, key, tick, number, link, r):
+def lose_packet(channel, key, tick, number, link, r):
     """Quantise the RSS and lose packets as `rss_gym.links.receive` does; a lost one is minus infinity."""
     link.rss_dbm[r] = quantise(link.rss_dbm[r], channel.quantisation_db)
     if channel.packet_loss > 0.0 and uniform(key, stream(number) + TICK_LOSS, tick) < channel.packet_loss:
@@ -240,10 +240,10 @@ def lose(channel, key, tick, number, link, r):
 
 
 @inner
-def alert(config, channel, e, vehicle, contact, link, r):
+def update_contact(config, channel, e, vehicle, contact, link, r):
     """Warning and message of a vehicle in radio range; the message rides on the packet that is ranged."""
     warned = contact.warning
-    warn(config, contact, link.range_m[r])
+    update_warning(config, contact, link.range_m[r])
     if not contact.warning:
         contact.valid = False
     elif link.rss_dbm[r] >= channel.sensitivity_dbm:
@@ -252,11 +252,11 @@ def alert(config, channel, e, vehicle, contact, link, r):
             contact.velocity_mps[axis] = vehicle.velocity_mps[axis] + vehicle.velocity_error_mps[axis]
             if config.information != RANGES:
                 contact.position_m[axis] = vehicle.position_m[axis] + config.gnss_m * vehicle.gnss_error[axis]
-    judge(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
+    score_warning(config, e, contact, link.distance_squared_m2[r], link.range_m[r], warned)
 
 
 @inner
-def witness(config, e, range_error_m, road, agent, vehicle):
+def detect_events(config, e, range_error_m, road, agent, vehicle):
     """Events of the tick on true states: least separation, near miss, entry into a pair's zone on the agent's lane."""
     x, y = vehicle.position_m[0] - agent.position_m[0], vehicle.position_m[1] - agent.position_m[1]
     separation_m = sqrt(x * x + y * y)
@@ -297,7 +297,7 @@ def sense(config_, channel_, e_, vehicles, links, contacts, own, others):
         other.path_loss_factor, other.coloured_tc_s = channel.path_loss_factor, channel.coloured_tc_s
         other.white_std_db, other.coloured_std_db = channel.white_std_db, channel.coloured_std_db
         other.radius_m, other.warning = contact.radius_m, contact.warning
-        other.streak = min(contact.streak / config.trials, 1.0)
+        other.consecutive_warnings = min(contact.consecutive_warnings / config.trials, 1.0)
         other.valid, other.age_s, other.std_m = contact.valid, contact.age_s, contact.std_m
         for axis in range(2):
             other.position_m[axis] = contact.position_m[axis]
@@ -318,7 +318,7 @@ def reveal(config, e, agent, vehicle, link, channel, other):
     other.range_m, other.range_std_m = sqrt(square), 0.0
     other.range_rate_mps = rate / max(other.range_m, 1e-9)
     other.coloured_db = link.coloured_db
-    other.path_loss_factor = channel.path_loss_factor + departure(link, e.tick * config.tick_s)
+    other.path_loss_factor = channel.path_loss_factor + path_loss_offset(link, e.tick * config.tick_s)
     other.warning = other.range_m <= other.radius_m
-    other.streak = 1.0 if other.warning else 0.0
+    other.consecutive_warnings = 1.0 if other.warning else 0.0
     other.valid, other.age_s, other.std_m = True, 0.0, 0.0

@@ -43,7 +43,7 @@ _RADIO = [
     Field("zone_radius_m", "m", RANGE_M, 0.0, LIMIT, "radius S of the safety zone"),
     Field("margin_m", "m", RANGE_M, -LIMIT, LIMIT, "estimated range minus zone radius"),
     Field("warning", "1", 1.0, 0.0, 1.0, "1 while the warning is open"),
-    Field("streak", "1", 1.0, 0.0, 1.0, "consecutive ticks inside the zone over n_d"),
+    Field("consecutive_warnings", "1", 1.0, 0.0, 1.0, "consecutive ticks inside the zone over n_d"),
 ]
 _MESSAGE = [
     Field("message_valid", "1", 1.0, 0.0, 1.0, "1 while the warning is open and a message has come; else zeros"),

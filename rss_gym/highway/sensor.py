@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym import records
+from rss_gym import state
 from rss_gym.highway import links
 from rss_gym.jit import announce
 from rss_gym.params import Params, ParamsError
@@ -38,33 +38,33 @@ class Sensor:
     def __init__(self, params: Params, radio_range_m: float) -> None:
         announce(Path(__file__).resolve().parents[1])
         self.params, self.radio_range_m = params, radio_range_m
-        self._config, self._channels = records.config(params), records.channels(params)
-        self._block, self._link_lanes = np.zeros(1, records.BLOCK), np.zeros(1, records.LINK_LANES)
-        self._agent_lanes, self._craft_lanes = np.zeros((2, 1), records.AIRCRAFT_LANES)
-        self._contact_lanes, self._own = np.zeros(1, records.CONTACT_LANES), np.zeros(1, OWN)
-        self._episode = np.zeros(1, records.EPISODE)
-        self._states: list[tuple[float, ...]] = []  # as `links.listen` takes them
+        self._config, self._channels = state.config(params), state.channels(params)
+        self._block, self._link_lanes = np.zeros(1, state.BLOCK), np.zeros(1, state.LINK_LANES)
+        self._agent_lanes, self._other_lanes = np.zeros((2, 1), state.AIRCRAFT_LANES)
+        self._contact_lanes, self._own = np.zeros(1, state.CONTACT_LANES), np.zeros(1, OWN)
+        self._episode = np.zeros(1, state.EPISODE)
+        self._states: list[tuple[float, ...]] = []  # as `links.update_radio` takes them
         self._roads: list[tuple[float, ...]] = []
-        self._ticks = 0  # that `_listen` has run over
+        self._ticks = 0  # that `_update_radio` has run over
         self._numbers: dict[Any, int] = {}
         self._allocate(CAPACITY)
 
     @property
     def episode(self) -> Any:
         """One record of EPISODE."""
-        self._listen()
+        self._update_radio()
         return self._episode[0]
 
     @property
     def vehicles(self) -> np.ndarray:
         """The agent and those that have appeared so far, in the order of their numbers: (1 + n,) VEHICLE."""
-        self._listen()
+        self._update_radio()
         return self._vehicles[: 1 + len(self._numbers)]
 
     @property
     def range_m(self) -> np.ndarray:
         """Estimated ranges of the vehicles (n,), where heard."""
-        self._listen()
+        self._update_radio()
         return self._links["range_m"][: len(self._numbers)]
 
     def start(self, road: Any, agent: Any, split: int, seed: int, number: int, key: int) -> None:
@@ -72,7 +72,7 @@ class Sensor:
         self._states.clear()
         self._roads.clear()
         self._ticks = 0
-        self._episode[:] = np.zeros(1, records.EPISODE)
+        self._episode[:] = np.zeros(1, state.EPISODE)
         e = self._episode[0]
         e["split"], e["seed"], e["number"], e["key"] = split, seed, number, key
         e["channel"] = min(
@@ -90,11 +90,13 @@ class Sensor:
         """After a step of the simulation."""
         self._log(road)
 
-    def decide(self) -> None:
+    def advance_slow_noise(self) -> None:
         """Before the ticks of a decision: advance the slow processes."""
         decision = int(self.episode["tick"]) // self.params.clock.ticks_per_decision
         vehicles = self.vehicles
-        links.drift(self._config, self._channel, self._key, decision, vehicles, self._links[: len(vehicles) - 1])
+        links.advance_slow_noise(
+            self._config, self._channel, self._key, decision, vehicles, self._links[: len(vehicles) - 1]
+        )
 
     def sense(self) -> tuple[np.ndarray, np.ndarray]:
         """What the agent knows: OWN, and OTHER of every vehicle that is heard, nearest (as estimated) first."""
@@ -108,7 +110,7 @@ class Sensor:
         return self._own, heard[np.argsort(heard["range_m"], kind="stable")]
 
     def _log(self, road: Any) -> None:
-        """Write down the states of all that is on the road, for `_listen`."""
+        """Write down the states of all that is on the road, for `_update_radio`."""
         agent, numbers, states = self._agent, self._numbers, self._states
         for vehicle in road.vehicles:
             row = 0 if vehicle is agent else numbers.get(vehicle)
@@ -120,7 +122,7 @@ class Sensor:
         heading = agent.lane.heading_at(along_m)
         self._roads.append((len(states), cos(heading), sin(heading), offset_m))
 
-    def _listen(self) -> None:
+    def _update_radio(self) -> None:
         """Run the radio over the ticks written down: at once, which is many times cheaper than one at a time."""
         if not self._roads:
             return
@@ -130,17 +132,17 @@ class Sensor:
         states, roads = np.array(self._states), np.array(self._roads)
         self._states.clear()
         self._roads.clear()
-        links.listen(
+        links.update_radio(
             self._config, self._channel, self._key, self.radio_range_m, self.params.zone.range_error_m, states, roads,
             self._ticks, self._episode, self._vehicles[:rows], self._links[: rows - 1], self._contacts[: rows - 1],
-            self._block, self._agent_lanes, self._craft_lanes, self._contact_lanes, self._link_lanes,
+            self._block, self._agent_lanes, self._other_lanes, self._contact_lanes, self._link_lanes,
         )  # fmt: skip
         self._ticks += len(roads)
 
     def _allocate(self, size: int) -> None:
         """Room for an agent and `size` - 1 others, of whom nothing is known."""
         self._vehicles = np.zeros(size, links.VEHICLE)
-        self._links, self._contacts = np.zeros(size, records.LINK), np.zeros(size, records.CONTACT)
+        self._links, self._contacts = np.zeros(size, state.LINK), np.zeros(size, state.CONTACT)
 
     def _grow(self) -> None:
         """Room for twice as many, as long as each has noise of its own."""

@@ -147,7 +147,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         """
         if self.plan is None or self._ended:
             raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
-        self.sensor.decide()
+        self.sensor.advance_slow_noise()
         _, reward, terminated, truncated, info = self.env.step(action)
         self._ended = bool(terminated or truncated)
         return self._observe(), reward, bool(terminated), bool(truncated), info | self._info()

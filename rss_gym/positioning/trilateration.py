@@ -56,7 +56,7 @@ def gauss_newton(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m):
 
 @kernel(inline="always")
 def fix_std_m(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m):
-    """Standard deviation per axis of the solution."""
+    """Standard deviation per axis of the solution, m."""
     nxx, nxy, nyy, _, _ = normal_equations(nodes_m, ranges_m, weights_pm2, x_m, y_m, altitude_m)
     return sqrt(0.5 * (nxx + nyy) / (nxx * nyy - nxy * nxy))
 

@@ -73,7 +73,7 @@ def predict_white(state, psi_m, process_noise_m2, a, sigma_w2, setting):
 
 @inner
 def update_coloured(state, rss_dbm, setting):
-    """`coloured.update`."""
+    """`coloured.update` of `state` (d, phi, p_dd, p_dp, p_pp) by one sample (dBm)."""
     d, phi, p_dd, p_dp, p_pp = state
     return coloured_update(
         d, phi, p_dd, p_dp, p_pp, rss_dbm,
@@ -83,7 +83,7 @@ def update_coloured(state, rss_dbm, setting):
 
 @inner
 def update_white(state, rss_dbm, setting):
-    """`white.update`."""
+    """`white.update` of `state` (d, p_dd) by one sample (dBm)."""
     d, p_dd = white_update(
         state[0], state[2], rss_dbm,
         setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2, setting.range_floor_m,
@@ -108,7 +108,7 @@ def itself(d):
 
 @kernel
 def run_coloured(time_s, rss_dbm, rate_mps, setting, out):
-    """The augmented filter (12)-(21)."""
+    """The augmented filter (12)-(21) over the rows of `rss_dbm` (k, n); arguments as in `batch.filter_records`."""
     filter_records(
         range_prior, start_coloured, predict_coloured, update_coloured, innovation, itself,
         time_s, rss_dbm, rate_mps, setting, out,
@@ -117,7 +117,7 @@ def run_coloured(time_s, rss_dbm, rate_mps, setting, out):
 
 @kernel
 def run_white(time_s, rss_dbm, rate_mps, setting, out):
-    """The filter that takes all noise as white."""
+    """The filter that takes all noise as white, over the rows of `rss_dbm` (k, n)."""
     filter_records(
         white_prior, start_white, predict_white, update_white, innovation, itself,
         time_s, rss_dbm, rate_mps, setting, out,

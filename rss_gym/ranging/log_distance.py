@@ -66,18 +66,21 @@ def update(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, whit
 
 @inner
 def _prior(setting):
+    """State (ln d, phi) and covariance before the first sample, as `filter_records` takes them."""
     relative = setting.prior_std_m / setting.prior_range_m
     return log(setting.prior_range_m), 0.0, relative * relative, 0.0, setting.coloured_variance_db2
 
 
 @inner
 def _predict(state, psi_m, process_noise, a, sigma_w2, setting):
+    """`predict` of `state` (ln d, phi, p_xx, p_xp, p_pp)."""
     x, phi, p_xx, p_xp, p_pp = state
     return predict(x, phi, p_xx, p_xp, p_pp, psi_m, process_noise, a, sigma_w2, setting.range_floor_m)
 
 
 @inner
 def _update(state, rss_dbm, setting):
+    """`update` of `state` by one sample (dBm)."""
     x, phi, p_xx, p_xp, p_pp = state
     return update(
         x, phi, p_xx, p_xp, p_pp, rss_dbm,
@@ -87,6 +90,7 @@ def _update(state, rss_dbm, setting):
 
 @inner
 def _innovation(state, rss_dbm, setting):
+    """Innovation (dB) of one sample (dBm) and its variance (dB^2)."""
     x, phi, p_xx, p_xp, p_pp = state
     return innovate(
         x, phi, p_xx, p_xp, p_pp, rss_dbm,

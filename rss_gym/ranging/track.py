@@ -66,7 +66,7 @@ class Tuning(Group):
 
 
 @dataclass(frozen=True)
-class Track:
+class RangeTrack:
     """What an estimator says at each sample, after using it. Shapes are (n,) for one record, (k, n) for a batch.
 
     Attributes
@@ -141,7 +141,7 @@ def track(
     channel: Channel,
     tuning: Tuning | None = None,
     range_rate_mps: ArrayLike | None = None,
-) -> Track:
+) -> RangeTrack:
     """Run an estimator of range over one record or a batch of records.
 
     A prior start holds the prior until the first sample and is then updated in ln d, as in the world; a literal start
@@ -166,7 +166,7 @@ def track(
 
     Returns
     -------
-    Track
+    RangeTrack
         Of the shape of `rss_dbm`.
 
     Raises
@@ -203,7 +203,7 @@ def track(
     chosen.run(time, np.atleast_2d(rss), rate, _setting(chosen, channel, tuning), out)
     if rss.ndim == 1:
         out = Output(*(array[0] for array in out))
-    return Track(*out, chosen.logarithmic)
+    return RangeTrack(*out, chosen.logarithmic)
 
 
 def _setting(chosen: Estimator, channel: Channel, tuning: Tuning) -> Setting:

@@ -68,7 +68,7 @@ class Canvas:
         self._scaled().polygon(self._ink(points), fill=colour)
 
     def line(self, points: Points, colour: Colour, width: float) -> None:
-        """Polyline."""
+        """Draw a polyline through pixels (p, 2)."""
         if len(points) > 1:
             wide = max(1, round(width * self.unit * OVERSAMPLING))
             joint = "curve" if 2 < len(points) else None

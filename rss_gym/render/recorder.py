@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rss_gym.params import Params
-from rss_gym.records import World
 from rss_gym.render.scene import Aircraft, Intruder, Scene
+from rss_gym.state import State
 
 __all__ = ["RENDER_FPS", "Recorder"]
 
@@ -20,7 +20,7 @@ class Batch(Protocol):
     """What a recorder reads of `rss_gym.core.Batch`."""
 
     params: Params
-    world: World
+    state: State
     seen: Any  # core.Seen
 
 
@@ -40,8 +40,8 @@ class Recorder:
 
     def append(self, batch: Batch, row: int) -> None:
         """Add the row's present positions to the flown paths."""
-        present = 1 + int(batch.world.episode[row]["intruders"])
-        self._flown.append(batch.world.aircraft[row]["position_m"][:present].copy())
+        present = 1 + int(batch.state.episode[row]["intruders"])
+        self._flown.append(batch.state.aircraft[row]["position_m"][:present].copy())
 
     def scene(self, batch: Batch, row: int) -> Scene:
         """The row's present moment, in arrays of its own.
@@ -58,12 +58,12 @@ class Recorder:
             An intruder's estimate is the agent's own solution and the track of the intruder on top of it; while there
             is no track there is none.
         """
-        params, episode = batch.params, batch.world.episode[row]
+        params, episode = batch.params, batch.state.episode[row]
         duration_s = float(episode["ticks"] * params.clock.tick_s)
         flown, own = np.array(self._flown), batch.seen.own[row]
 
         def seen(a: int, estimate_m: NDArray[np.float64] | None) -> dict[str, Any]:
-            craft = batch.world.aircraft[row, a]
+            craft = batch.state.aircraft[row, a]
             return {
                 "position_m": craft["position_m"].copy(),
                 "estimate_m": estimate_m,
@@ -74,7 +74,7 @@ class Recorder:
 
         intruders = []
         for k in range(flown.shape[1] - 1):
-            other, track = batch.seen.others[row, k], batch.world.tracks[row, k]
+            other, track = batch.seen.others[row, k], batch.state.tracks[row, k]
             estimate_m = own["position_m"] + track["position_m"] if track["valid"] else None
             intruders.append(
                 Intruder(

@@ -44,7 +44,7 @@ def dart(
 
 
 def cross(canvas: Canvas, centre: Points, colour: Colour) -> None:
-    """Saltire."""
+    """Draw a saltire, 10 px wide, at a pixel (2,)."""
     arm = canvas.px(5, 5)
     for rim, width in ((WHITE, 4.0), (colour, 2.0)):
         for way in ((1, 1), (1, -1)):

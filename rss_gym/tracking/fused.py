@@ -76,13 +76,13 @@ def message_error(own, other, model):
 
 @kernel(forceinline=True)
 def at(i, j):
-    """Column of an element of the covariance."""
+    """Column of element (i, j) of the covariance P in the memory."""
     return COVARIANCE + SIZE * i + j
 
 
 @kernel(forceinline=True)
 def open_filter(m, x, y, variance_m2, model):
-    """The first message: the position is what it says, and its error is the message's."""
+    """Open the memory `m` with the first message: the position (x, y), m, has the message's error."""
     for i in range(SIZE):
         m[STATE + i] = 0.0
         for j in range(SIZE):
@@ -97,7 +97,7 @@ def open_filter(m, x, y, variance_m2, model):
 
 @kernel(forceinline=True)
 def predict(m, dx, dy, period_s, a_b, a_e, noise_p, noise_b, noise_e):
-    """One decision: F P F^T + Q, `dx`, `dy` the relative way by the measured velocities."""
+    """One step: F P F^T + Q; `dx`, `dy` (m) by the measured velocities, noises in m^2 and m^2/s^2."""
     m[STATE + PX] += dx - period_s * m[STATE + BX]
     m[STATE + PY] += dy - period_s * m[STATE + BY]
     for axis in range(2):
@@ -131,8 +131,8 @@ def correct(m, g0, g1, g2, g3, g4, g5, innovation, variance):
 
 
 @kernel(forceinline=True)
-def hear(m, axis, z, r):
-    """A message's coordinate z = p + e with variance r."""
+def update_by_message(m, axis, z, r):
+    """Update by coordinate `axis` of a message, z = p + e (m), with variance r (m^2)."""
     p, e = PX + axis, EX + axis
     variance = m[at(p, p)] + 2.0 * m[at(p, e)] + m[at(e, e)] + r
     innovation = z - (m[STATE + p] + m[STATE + e])
@@ -146,7 +146,7 @@ def hear(m, axis, z, r):
 
 @kernel(forceinline=True)
 def bearing_of(x, y):
-    """Distance, not below its floor, and unit vector."""
+    """Distance of (x, y), m, not below its floor, and unit vector."""
     d = sqrt(x * x + y * y)
     if d == 0.0:
         return NEAREST_M, 1.0, 0.0
@@ -162,8 +162,8 @@ def along(range_m, distance_m, across_m2):
 
 
 @kernel(forceinline=True)
-def measure(m, range_m, variance_m2, repeat):
-    """The range as a measure of the way along the bearing, its variance `repeat` times what it is."""
+def update_by_range(m, range_m, variance_m2, repeat):
+    """Update by the range (m), a measure of the way along the bearing, with `repeat` times its variance (m^2)."""
     d, nx, ny = bearing_of(m[STATE + PX], m[STATE + PY])
     xx, xy, yy = m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)]
     _, bent, _ = along(range_m, d, xx * ny * ny - 2.0 * xy * nx * ny + yy * nx * nx)
@@ -179,7 +179,7 @@ def measure(m, range_m, variance_m2, repeat):
 
 @kernel(forceinline=True)
 def given_range(x, y, xx, xy, yy, range_m, variance_m2):
-    """Position and covariance given the range of now; the ring of that range also bounds the way across."""
+    """Position (m) and covariance (m^2) given the present range; its ring also bounds the way across."""
     d, nx, ny = bearing_of(x, y)
     # Covariance along and across the bearing.
     aa = xx * nx * nx + 2.0 * xy * nx * ny + yy * ny * ny
@@ -200,7 +200,7 @@ def given_range(x, y, xx, xy, yy, range_m, variance_m2):
 
 
 @kernel(forceinline=True)
-def take_range(m, other, track, model):
+def use_range(m, other, track, model):
     """Correct the state by the horizontal part of the range, whose error lasts, and write the position given it."""
     t = model.decision_s
     d, h = other.range_m, m[HEIGHT]
@@ -209,7 +209,7 @@ def take_range(m, other, track, model):
     )
     level = sqrt(max(d * d - h * h, NEAREST_M * NEAREST_M))
     variance = (d * d * variance + h * h * m[HEIGHT + 1]) / (level * level)
-    measure(m, level, variance, 1.0 + 2.0 * model.range_repeat * lasts_s / t)
+    update_by_range(m, level, variance, 1.0 + 2.0 * model.range_repeat * lasts_s / t)
     track.position_m[0], track.position_m[1], track.xx, track.xy, track.yy = given_range(
         m[STATE + PX], m[STATE + PY], m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)], level, variance
     )
@@ -225,8 +225,8 @@ def advance(own, other, memory, track, model):
         return
     age, v = other.age_s, other.velocity_mps
     vx, vy, vz = v[0] - own.velocity_mps[0], v[1] - own.velocity_mps[1], v[2] - own.velocity_mps[2]
-    told, mine = other.position_m, own.position_m
-    x, y, z = told[0] + age * v[0] - mine[0], told[1] + age * v[1] - mine[1], told[2] + age * v[2] - mine[2]
+    stated, mine = other.position_m, own.position_m
+    x, y, z = stated[0] + age * v[0] - mine[0], stated[1] + age * v[1] - mine[1], stated[2] + age * v[2] - mine[2]
     stated_m2, message_s = message_error(own, other, model)
     vertical = vertical_m2(own, other, model)
     turned_m2 = (TURN_MPS * age) * (TURN_MPS * age)
@@ -247,8 +247,8 @@ def advance(own, other, memory, track, model):
         )  # fmt: skip
         if is_new:
             r = WHITE_SHARE * stated_m2 + FLIGHT_M2 + turned_m2
-            hear(m, 0, x, r)
-            hear(m, 1, y, r)
+            update_by_message(m, 0, x, r)
+            update_by_message(m, 1, y, r)
             m[HEIGHT], m[HEIGHT + 1] = z, vertical
         else:
             m[HEIGHT] += 0.5 * t * (m[VELOCITY + 2] + vz)
@@ -256,7 +256,7 @@ def advance(own, other, memory, track, model):
     m[AGE], m[STATED] = age, stated_m2
     m[VELOCITY], m[VELOCITY + 1], m[VELOCITY + 2] = vx, vy, vz
     if model.uses_range:
-        take_range(m, other, track, model)
+        use_range(m, other, track, model)
     else:
         track.position_m[0], track.position_m[1] = m[STATE + PX], m[STATE + PY]
         track.xx, track.xy, track.yy = m[at(PX, PX)], m[at(PX, PY)], m[at(PY, PY)]

@@ -8,7 +8,7 @@ from rss_gym.jit import kernel
 
 @kernel(forceinline=True)
 def vertical_m2(own, other, model):
-    """Variance of the relative height."""
+    """Variance of the relative height, m^2."""
     mine = model.own_vertical_m2 if model.own_vertical_m2 >= 0.0 else own.std_m * own.std_m
     theirs = model.other_vertical_m2 if model.other_vertical_m2 >= 0.0 else other.std_m * other.std_m
     return 0.0 if model.planar else mine + theirs

@@ -24,14 +24,14 @@ NETWORK = {
 }
 
 
-def folder(path, world, network=NETWORK, **changes):
+def folder(path, params, network=NETWORK, **changes):
     """A policy folder with random weights."""
     rng, net = np.random.default_rng(0), Network(**{**network, "layers": tuple(network["layers"])})
-    tensors = {name: rng.normal(size=shape).astype(np.float32) for name, shape in net.shapes(world).items()}
+    tensors = {name: rng.normal(size=shape).astype(np.float32) for name, shape in net.shapes(params).items()}
     if "std" in tensors:
         tensors["std"] = np.abs(tensors["std"]) + 0.1
-    document = {"format": FORMAT, "network": network, "interface": {"information": world.interface.information}}
-    document |= {"observation": net.inputs(world), "training": {}} | changes
+    document = {"format": FORMAT, "network": network, "interface": {"information": params.interface.information}}
+    document |= {"observation": net.inputs(params), "training": {}} | changes
     path.mkdir(exist_ok=True)
     (path / DOCUMENT).write_text(json.dumps(document))
     (path / WEIGHTS).write_bytes(save(tensors))
@@ -40,10 +40,10 @@ def folder(path, world, network=NETWORK, **changes):
 
 @pytest.mark.parametrize("information", ["oracle", "positions", "ranges"])
 def test_it_flies_in_the_world_it_is_given(tmp_path, information):
-    world = Params.of(information=information, channel="outdoor")
-    agent = baselines.make(str(folder(tmp_path / "agent", world)), world)
-    assert agent.world == world and load(tmp_path / "agent").world == Params.of(information=information)
-    batch = Batch(world, 3)
+    params = Params.of(information=information, channel="outdoor")
+    agent = baselines.make(str(folder(tmp_path / "agent", params)), params)
+    assert agent.params == params and load(tmp_path / "agent").params == Params.of(information=information)
+    batch = Batch(params, 3)
     batch.reset(np.ones(3, bool))
     state = alone = None
     for step in range(5):
@@ -51,8 +51,8 @@ def test_it_flies_in_the_world_it_is_given(tmp_path, information):
         actions, state = agent.predict(batch.observations, state, first)
         one, alone = agent.predict(batch.observations[1], alone, first[:1])
         np.testing.assert_array_equal(one, actions[1])
-        assert state.shape == (3, len(observation.fields(world)) + 8)
-        batch.step(decode(actions, world, 3), np.zeros(3, bool))
+        assert state.shape == (3, len(observation.fields(params)) + 8)
+        batch.step(decode(actions, params, 3), np.ones(3, bool))
 
 
 def test_another_level_of_information_is_refused_by_name(tmp_path):
@@ -100,11 +100,11 @@ def test_another_number_of_intruders_or_axes_is_refused(tmp_path):
 
 
 def test_masks_take_away_what_they_say():
-    world = Params.of(intruders=2)
-    names = np.array([field.name for field in observation.fields(world)])
-    assert kept("nothing", world).all() and len(kept("range", world, 3)) == 3 * len(names)
-    gone = set(names[kept("range", world) == 0.0])
+    params = Params.of(intruders=2)
+    names = np.array([field.name for field in observation.fields(params)])
+    assert kept("nothing", params).all() and len(kept("range", params, 3)) == 3 * len(names)
+    gone = set(names[kept("range", params) == 0.0])
     assert {"intruder_0.range_m", "intruder_1.margin_m", "intruder_1.coloured_tc_s"} <= gone
     assert not {"intruder_0.warning", "intruder_0.track_position_along_m", "intruder_0.message_age_s"} & gone
-    assert set(names[kept("radio", world) == 0.0]) == {name for name in names if name.startswith("intruder_")}
+    assert set(names[kept("radio", params) == 0.0]) == {name for name in names if name.startswith("intruder_")}
     assert set(MASKS) == {"nothing", "range", "radio"}

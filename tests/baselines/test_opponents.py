@@ -16,14 +16,14 @@ COUNT = 12
 
 def flight(policy, steps=400, count=COUNT):
     """The batch before each decision and the actions; rows stop where they end."""
-    batch = Batch(policy.world, count)
+    batch = Batch(policy.params, count)
     batch.seed(np.arange(count, dtype=np.uint64))
     batch.reset(np.ones(count, bool))
     state, ended = None, np.zeros(count, bool)
     for _ in range(steps):
         actions, state = policy.predict(batch.observations, state)
         yield batch, actions, ended
-        batch.step(decode(actions, batch.params, count), ended)
+        batch.step(decode(actions, batch.params, count), ~ended)
         ended = batch.episode["terminated"] | batch.episode["truncated"]
         if ended.all():
             return
@@ -34,9 +34,9 @@ def flown(policy, steps=400, count=COUNT):
     return list(flight(policy, steps, count))[-1][0]
 
 
-def mirrored(observations, world):
+def mirrored(observations, params):
     """The same encounters seen in a mirror: everything to the right is to the left."""
-    names = [field.name for field in observation.fields(world)]
+    names = [field.name for field in observation.fields(params)]
     return observations * np.array([-1.0 if "_right_" in name else 1.0 for name in names], np.float32)
 
 
@@ -51,15 +51,15 @@ def test_a_mirrored_encounter_gets_the_mirrored_action(name, information, family
     acted = False
     image = None
     for batch, actions, _ in flight(policy, 120):
-        other, image = policy.predict(mirrored(batch.observations, policy.world), image)
+        other, image = policy.predict(mirrored(batch.observations, policy.params), image)
         np.testing.assert_allclose(other, actions * [1.0, -1.0], atol=1e-5)
         acted |= bool((np.abs(actions) > 0.05).any())
     assert acted or (information, family) == ("oracle", "equal-velocities")  # 30 m apart is clear
 
 
-def told(world, **values):
+def told(params, **values):
     """An observation of these SI values, zero for the rest; `_` of intruders is written for `.`."""
-    table = observation.fields(world)
+    table = observation.fields(params)
     names = [field.name for field in table]
     raw, out = np.zeros(len(table)), np.zeros(len(table), np.float32)
     for name, value in values.items():
@@ -78,9 +78,9 @@ def intruder(k, along_m, right_m, along_mps, right_mps=0.0, own_mps=3.0):
     return {f"intruder_{k}__{name}": value for name, value in fields.items()}
 
 
-def crossing(world, right_m, along_m=60.0):
+def crossing(params, right_m, along_m=60.0):
     """An observation of an intruder on the opposite course, `right_m` to the right, known without error."""
-    return told(world, velocity_along_mps=3.0, cruise_mps=3.0, **intruder(0, along_m, right_m, -3.0))
+    return told(params, velocity_along_mps=3.0, cruise_mps=3.0, **intruder(0, along_m, right_m, -3.0))
 
 
 @pytest.mark.parametrize("right_m", [-9.0, -4.0, 4.0, 9.0])
@@ -89,7 +89,7 @@ def crossing(world, right_m, along_m=60.0):
 def test_the_smaller_displacement_is_chosen(name, information, right_m):
     """The intruder will pass on one side: the rule gives way to the other side."""
     policy = baselines.make(f"{name}@{information}")
-    action, _ = policy.predict(crossing(policy.world, right_m, along_m=30.0))
+    action, _ = policy.predict(crossing(policy.params, right_m, along_m=30.0))
     assert np.sign(action[1]) == -np.sign(right_m)
 
 
@@ -97,7 +97,7 @@ def test_the_smaller_displacement_is_chosen(name, information, right_m):
 def test_an_intruder_that_passes_clear_or_is_past_changes_nothing(name):
     policy = baselines.make(f"{name}@oracle")
     for right_m, along_m in ((100.0, 40.0), (-100.0, 40.0), (2.0, -100.0)):
-        action, _ = policy.predict(crossing(policy.world, right_m, along_m))
+        action, _ = policy.predict(crossing(policy.params, right_m, along_m))
         np.testing.assert_allclose(action, 0.0, atol=1e-6)
 
 
@@ -106,7 +106,7 @@ def test_nobody_is_obeyed_without_a_warning_or_a_track(name):
     policy = baselines.make(name)
     for missing in ("warning", "track_valid"):
         fields = intruder(0, 30.0, 4.0, -3.0) | {f"intruder_0__{missing}": 0.0}
-        action, _ = policy.predict(told(policy.world, velocity_along_mps=3.0, cruise_mps=3.0, **fields))
+        action, _ = policy.predict(told(policy.params, velocity_along_mps=3.0, cruise_mps=3.0, **fields))
         np.testing.assert_allclose(action, 0.0, atol=1e-6)
 
 
@@ -124,18 +124,18 @@ def test_on_true_states_no_rule_collides_in_the_corners(name, family):
 
 def commanded_displacement(policy, told_, state=None, steps=60):
     """Where the rule leads the way point if what it sees stays: the displacement at rest, along and right."""
-    names = [field.name for field in observation.fields(policy.world)]
-    table = observation.transforms(observation.fields(policy.world))
+    names = [field.name for field in observation.fields(policy.params)]
+    table = observation.transforms(observation.fields(policy.params))
     at = [names.index("way_point_along_m"), names.index("way_point_right_m")]
     tracks = [
         (names.index(f"intruder_{k}.track_position_along_m"), names.index(f"intruder_{k}.track_position_right_m"))
-        for k in range(policy.world.encounter.intruders)
+        for k in range(policy.params.encounter.intruders)
     ]
-    raw, values = observation.restored(told_, observation.fields(policy.world)), told_.copy()
+    raw, values = observation.restored(told_, observation.fields(policy.params)), told_.copy()
     start = raw.copy()
     for _ in range(steps):
         action, state = policy.predict(values, state)
-        step = policy.world.aircraft.speed_max_mps * policy.world.clock.decision_s * action
+        step = policy.params.aircraft.speed_max_mps * policy.params.clock.decision_s * action
         raw[at] += step
         for pair in tracks:  # relative to the own position, which follows
             raw[list(pair)] = start[list(pair)] - raw[at]
@@ -149,7 +149,7 @@ def test_the_side_is_that_of_the_aircraft_and_not_of_its_plan(own_right_m):
     policy = baselines.make("orthogonal:radius_m=40,lookahead_s=0")
     plan_right_m = -own_right_m / 2.0  # to the right of the intruder's line, where the aircraft is `own_right_m`
     seen = told(
-        policy.world, velocity_along_mps=3.0, cruise_mps=3.0, way_point_right_m=own_right_m - plan_right_m,
+        policy.params, velocity_along_mps=3.0, cruise_mps=3.0, way_point_right_m=own_right_m - plan_right_m,
         **intruder(0, 30.0, -own_right_m, -3.0),
     )  # fmt: skip
     action, _ = policy.predict(seen)
@@ -159,17 +159,17 @@ def test_the_side_is_that_of_the_aircraft_and_not_of_its_plan(own_right_m):
 def test_the_side_is_kept_while_warned_and_forgotten_after():
     policy = baselines.make("orthogonal:radius_m=40,lookahead_s=0")
     own = {"velocity_along_mps": 3.0, "cruise_mps": 3.0}
-    left = told(policy.world, **own, **intruder(0, 30.0, 3.0, -3.0))
+    left = told(policy.params, **own, **intruder(0, 30.0, 3.0, -3.0))
     action, state = policy.predict(left)
     assert action[1] < 0.0
-    right = told(policy.world, **own, **intruder(0, 28.0, -3.0, -3.0))  # the track has moved across
+    right = told(policy.params, **own, **intruder(0, 28.0, -3.0, -3.0))  # the track has moved across
     action, state = policy.predict(right, state)
     assert action[1] < 0.0
-    past = told(policy.world, **own, **intruder(0, -60.0, -3.0, -3.0))  # beyond the zone, still warned
+    past = told(policy.params, **own, **intruder(0, -60.0, -3.0, -3.0))  # beyond the zone, still warned
     action, state = policy.predict(past, state)
     action, kept = policy.predict(right, state)
     assert action[1] < 0.0
-    silent = told(policy.world, **own, **(intruder(0, 28.0, -3.0, -3.0) | {"intruder_0__warning": 0.0}))
+    silent = told(policy.params, **own, **(intruder(0, 28.0, -3.0, -3.0) | {"intruder_0__warning": 0.0}))
     _, state = policy.predict(silent, kept)
     action, _ = policy.predict(right, state)
     assert action[1] > 0.0
@@ -180,9 +180,9 @@ def test_no_displacement_is_clipped(radius_m):
     """From the far side the way to the edge is nearly twice the radius."""
     policy = baselines.make(f"orthogonal:radius_m={radius_m:g},lookahead_s=0")
     own = {"velocity_along_mps": 3.0, "cruise_mps": 3.0}
-    _, state = policy.predict(told(policy.world, **own, **intruder(0, 1.0, 1.0, -3.0)))
+    _, state = policy.predict(told(policy.params, **own, **intruder(0, 1.0, 1.0, -3.0)))
     moved, _ = commanded_displacement(
-        policy, told(policy.world, **own, **intruder(0, 1.0, -0.9 * radius_m, -3.0)), state, 200
+        policy, told(policy.params, **own, **intruder(0, 1.0, -0.9 * radius_m, -3.0)), state, 200
     )
     assert moved[1] == pytest.approx(-0.9 * radius_m - np.sqrt(radius_m**2 - 1.0), rel=1e-3)
 
@@ -204,7 +204,7 @@ def test_the_rule_obeys_all_of_three_intruders(places):
         fields = {}
         for k, at in enumerate(order):
             fields |= intruder(k, *places[at])
-        seen = told(policy.world, velocity_along_mps=3.0, cruise_mps=3.0, **fields)
+        seen = told(policy.params, velocity_along_mps=3.0, cruise_mps=3.0, **fields)
         moved, _ = commanded_displacement(policy, seen, steps=120)
         for along_m, right_m, _ in places:
             assert np.hypot(along_m - moved[0], right_m - moved[1]) >= radius_m - 0.1
@@ -224,10 +224,10 @@ def test_the_aircraft_flies_the_velocity_commanded(name):
     policy = baselines.make(name, Params.of(gust_mps=0.0))
     errors, changes = [], []
     for batch, actions, ended in flight(policy, 120):
-        agent = batch.world.aircraft[~ended, 0]
+        agent = batch.state.aircraft[~ended, 0]
         along = agent["along"][:, :2]
         right = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        limit = policy.world.aircraft.speed_max_mps
+        limit = policy.params.aircraft.speed_max_mps
         wanted = agent["planned_mps"][:, :2] + limit * (actions[~ended, :1] * along + actions[~ended, 1:] * right)
         scale = np.maximum(np.linalg.norm(wanted, axis=1, keepdims=True) / limit, 1.0)
         errors.append(np.linalg.norm(wanted / scale - agent["velocity_mps"][:, :2], axis=1))
@@ -248,9 +248,9 @@ def test_the_filter_leaves_a_policy_alone_where_nobody_is_near(base):
     keywords = {"families": "parallel-pass", "gust_mps": 0.0}
     plain = baselines.make(base, Params.of(**keywords))
     filtered = baselines.make(f"cbf:radius_m=1,sigmas=0,lookahead_s=0.5+{base}", Params.of(**keywords))
-    assert filtered.world == plain.world
+    assert filtered.params == plain.params
     one, two = flown(plain, 60), flown(filtered, 60)
-    apart = one.world.aircraft["position_m"][:, 0] - two.world.aircraft["position_m"][:, 0]
+    apart = one.state.aircraft["position_m"][:, 0] - two.state.aircraft["position_m"][:, 0]
     assert np.linalg.norm(apart, axis=1).max() < 0.1
 
 
@@ -271,9 +271,9 @@ class Idle:
 
 
 def test_the_filter_takes_any_object():
-    world = Params.of()
-    policy = Cbf(base=Idle(), base_world=Params.of(action="discrete"), world=world)
-    batch = Batch(world, 5)
+    params = Params.of()
+    policy = Cbf(base=Idle(), base_params=Params.of(action="discrete"), params=params)
+    batch = Batch(params, 5)
     batch.reset(np.ones(5, bool))
     actions, state = policy.predict(batch.observations)
     again, state = policy.predict(batch.observations, state)
@@ -294,7 +294,7 @@ def test_a_base_that_cannot_be_filtered_is_refused(base, words):
 
 def level(spec, params=None):
     """The level of information that the policy flies on."""
-    return baselines.make(spec, params).world.interface.information
+    return baselines.make(spec, params).params.interface.information
 
 
 def test_the_information_is_part_of_the_name():
@@ -311,10 +311,10 @@ def test_the_information_is_part_of_the_name():
 
 
 def test_nothing_but_the_information_of_the_world_is_changed():
-    world = Params.of(channel="outdoor", intruders=2, tracker="latest")
-    assert baselines.make("orca", world).world == world
-    assert baselines.make("orca@oracle", world).world == Params.of(world, information="oracle")
-    assert baselines.make("orca", Params.of(world, action="discrete")).world == world  # it commands velocities
+    params = Params.of(channel="outdoor", intruders=2, tracker="latest")
+    assert baselines.make("orca", params).params == params
+    assert baselines.make("orca@oracle", params).params == Params.of(params, information="oracle")
+    assert baselines.make("orca", Params.of(params, action="discrete")).params == params  # it commands velocities
 
 
 @pytest.mark.parametrize(
@@ -346,9 +346,9 @@ def test_bad_specifications_are_refused_in_one_sentence(spec, words):
 @pytest.mark.parametrize("information", ["positions", "ranges"])
 def test_the_radius_is_held_against_the_zone_of_the_world_flown_in(name, information):
     """A longer reaction makes a zone of 200 m; 150 m are too much for the default one of 120 m."""
-    world = Params.of(reaction_s=2.0)
-    assert world.zone.radius_m == 200.0
-    policy = baselines.make(f"{name}@{information}:radius_m=150", world)
-    assert policy.world.zone.radius_m == 200.0
+    params = Params.of(reaction_s=2.0)
+    assert params.zone.radius_m == 200.0
+    policy = baselines.make(f"{name}@{information}:radius_m=150", params)
+    assert policy.params.zone.radius_m == 200.0
     with pytest.raises(ParamsError, match="zone radius 200"):
-        baselines.make(f"{name}@{information}:radius_m=201", world)
+        baselines.make(f"{name}@{information}:radius_m=201", params)

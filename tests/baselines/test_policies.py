@@ -23,7 +23,7 @@ def world_for(name, keywords):
 
 def flown(policy, count, steps=60):
     """Observations, actions and states of a flight of `count` rows."""
-    batch = Batch(policy.world, count)
+    batch = Batch(policy.params, count)
     batch.seed(np.arange(count, dtype=np.uint64))
     batch.reset(np.ones(count, bool))
     state, trace = None, []
@@ -31,15 +31,15 @@ def flown(policy, count, steps=60):
         actions, state = policy.predict(batch.observations, state, np.full(count, step == 0))
         trace.append((batch.observations.copy(), actions.copy(), state.copy()))
         ended = batch.episode["terminated"] | batch.episode["truncated"]
-        batch.step(decode(actions, policy.world, count), ended)
+        batch.step(decode(actions, policy.params, count), ~ended)
     return trace
 
 
-@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("params", WORLDS)
 @pytest.mark.parametrize("name", NAMES)
-def test_actions_are_finite_and_in_the_box(name, world):
-    policy = baselines.make(name, world_for(name, WORLDS[world]))
-    axes = 2 if policy.world.encounter.planar else 3
+def test_actions_are_finite_and_in_the_box(name, params):
+    policy = baselines.make(name, world_for(name, WORLDS[params]))
+    axes = 2 if policy.params.encounter.planar else 3
     for _, actions, _ in flown(policy, 16):
         assert actions.shape == (16, axes) and actions.dtype == np.float32
         assert np.isfinite(actions).all() and (np.abs(actions) <= 1.0).all()
@@ -103,43 +103,43 @@ def test_the_rule_stays_on_its_path_until_it_is_warned():
     policy = baselines.make("orthogonal:radius_m=60")
     warned = np.zeros(32, bool)
     for observations, actions, _ in flown(policy, 32, 120):
-        warned |= observation.split(observations, policy.world)["warning"][:, 0] > 0.5
+        warned |= observation.split(observations, policy.params)["warning"][:, 0] > 0.5
         assert not np.abs(actions[~warned]).max(initial=0.0) > 1e-6
     assert warned.any()
 
 
 def test_climb_flies_its_height():
     policy = baselines.make("climb:up_m=8", Params.of(planar=False))
-    batch = Batch(policy.world, 64)
+    batch = Batch(policy.params, 64)
     batch.reset(np.ones(64, bool))
     for _ in range(40):
         actions, _ = policy.predict(batch.observations)
-        batch.step(decode(actions, policy.world, 64), np.zeros(64, bool))
-    agent = batch.world.aircraft[:, 0]
+        batch.step(decode(actions, policy.params, 64), np.ones(64, bool))
+    agent = batch.state.aircraft[:, 0]
     np.testing.assert_allclose(np.mean(agent["position_m"] - agent["planned_m"], axis=0)[2], 8.0, atol=1.5)
 
 
 @pytest.mark.parametrize("planar", [True, False])
 def test_those_able_in_a_world_can_be_made_in_it(planar):
     for information in ("oracle", "positions", "ranges"):
-        world = Params.of(information=information, planar=planar)
-        names = baselines.able(world)
+        params = Params.of(information=information, planar=planar)
+        names = baselines.able(params)
         assert ("climb" in names) is not planar and {"none", "constant", "orca", "mpc"} <= set(names)
         assert ("modified-orthogonal" in names) is (information == "ranges")
-        assert all(baselines.make(name, world).world == world for name in names)
+        assert all(baselines.make(name, params).params == params for name in names)
 
 
 def displaced(spec, decisions, **keywords):
     """Own positions minus the predefined ones along the leg, to the right and up, of straight flights; speeds."""
     policy = baselines.make(spec, Params.of(gust_mps=0.0, **keywords))
-    batch = Batch(policy.world, 8)
+    batch = Batch(policy.params, 8)
     batch.seed(np.arange(8, dtype=np.uint64))
     batch.reset(np.ones(8, bool))
     state = None
     for _ in range(decisions):
         actions, state = policy.predict(batch.observations, state)
-        batch.step(decode(actions, policy.world, 8), np.zeros(8, bool))
-    agent = batch.world.aircraft[:, 0]
+        batch.step(decode(actions, policy.params, 8), np.ones(8, bool))
+    agent = batch.state.aircraft[:, 0]
     agent = agent[(agent["path_points"] == 2) & ~batch.episode["collision"]]
     assert len(agent) >= 3
     along = agent["along"]
@@ -186,12 +186,12 @@ def test_the_radio_changes_nothing_for_who_does_not_listen(spec):
     ends = []
     for keywords in ({}, DEAF):
         policy = baselines.make(spec, Params.of(planar=spec != "climb", **keywords))
-        batch, done, state = Batch(policy.world, 100), np.zeros(100, bool), None
+        batch, done, state = Batch(policy.params, 100), np.zeros(100, bool), None
         batch.seed(np.arange(100, dtype=np.uint64))
         batch.reset(~done)
         while not done.all():
             actions, state = policy.predict(batch.observations, state)
-            batch.step(decode(actions, policy.world, 100), done)
+            batch.step(decode(actions, policy.params, 100), ~done)
             done = batch.episode["terminated"] | batch.episode["truncated"]
         ends.append(batch.episode.copy())
     for column in ("collision", "snmac", "min_separation_m", "cost_m"):

@@ -14,14 +14,14 @@ PLANE, SPACE = Params(), Params.of(planar=False)
 metre = st.floats(-4.0, 4.0)
 
 
-def integrated(action, cruise_mps, world):
+def integrated(action, cruise_mps, params):
     """Way the way point goes against the predefined trajectory in one decision, by the equations of the world."""
-    craft = world.aircraft
+    craft = params.aircraft
     velocity = np.array([cruise_mps, 0.0, 0.0])
     velocity += np.clip(action, -1.0, 1.0) * [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
     velocity[2] = np.clip(velocity[2], -craft.vertical_speed_max_mps, craft.vertical_speed_max_mps)
     velocity *= min(1.0, craft.speed_max_mps / max(np.linalg.norm(velocity), 1e-12))
-    return (velocity - [cruise_mps, 0.0, 0.0]) * world.clock.decision_s
+    return (velocity - [cruise_mps, 0.0, 0.0]) * params.clock.decision_s
 
 
 def own(way_point, cruise_mps):
@@ -70,13 +70,13 @@ def test_path_following_heads_for_the_path_within_the_limits():
 def test_the_world_brings_the_way_point_where_it_is_told_to(target):
     """In flight: within a few decisions the commanded way point is at the displacement, and stays."""
     policy = baselines.make(f"constant:along_m={target[0]!r},right_m={target[1]!r}")
-    batch = Batch(policy.world, 4)
+    batch = Batch(policy.params, 4)
     batch.seed(np.arange(4, dtype=np.uint64))
     batch.reset(np.ones(4, bool))
     for _ in range(30):
         actions, _ = policy.predict(batch.observations)
-        batch.step(np.column_stack([actions, np.zeros(4)]).astype(float), np.zeros(4, bool))
-    agent = batch.world.aircraft[:, 0]
+        batch.step(np.column_stack([actions, np.zeros(4)]).astype(float), np.ones(4, bool))
+    agent = batch.state.aircraft[:, 0]
     apart = agent["way_point_m"] - agent["planned_m"]
     straight = (agent["path_points"] == 2) & ~batch.episode["collision"]
     along = (apart * agent["along"]).sum(axis=1)

@@ -44,7 +44,7 @@ def home(name):
 
 def test_it_loads_in_its_own_world_and_is_small(name):
     agent = baselines.make(name, home(name))
-    assert isinstance(agent, Agent) and agent.world == home(name)
+    assert isinstance(agent, Agent) and agent.params == home(name)
     assert sum(file.stat().st_size for file in AGENTS[name].iterdir()) < SIZE_MAX
     assert {file.name for file in AGENTS[name].iterdir()} == {
         "policy.json", "policy.safetensors", "card.md", "curves.csv", "curves.svg"
@@ -68,19 +68,19 @@ def test_its_card_names_recipe_seeds_and_limits(name):
 
 def test_where_it_cannot_fly_is_one_sentence(name):
     for keywords in IDS.values():
-        world = Params.of(**keywords)
-        if name in baselines.able(world):
-            assert entry(name, world).world == world
+        params = Params.of(**keywords)
+        if name in baselines.able(params):
+            assert entry(name, params).params == params
             continue
         with pytest.raises(ParamsError, match=name) as caught:
-            entry(name, world)
+            entry(name, params)
         assert "\n" not in str(caught.value)
     assert name in baselines.able(home(name))
 
 
 def test_its_own_information_alone_may_be_named(name):
     own = home(name).interface.information
-    assert baselines.make(f"{name}@{own}", home(name)).world == home(name)
+    assert baselines.make(f"{name}@{own}", home(name)).params == home(name)
     for level in {"oracle", "positions", "ranges"} - {own}:
         with pytest.raises(ParamsError, match=f"{name}.*cannot fly on information '{level}'.*'{own}'"):
             baselines.make(f"{name}@{level}", home(name))
@@ -92,7 +92,7 @@ def test_its_own_information_alone_may_be_named(name):
 
 def test_a_row_of_a_batch_equals_the_row_alone(name):
     agent, count = baselines.make(name, home(name)), 7
-    batch = Batch(agent.world, count)
+    batch = Batch(agent.params, count)
     batch.seed(np.arange(count, dtype=np.uint64))
     batch.reset(np.ones(count, bool))
     state, lone, first = None, None, True
@@ -103,18 +103,18 @@ def test_a_row_of_a_batch_equals_the_row_alone(name):
         assert actions.dtype == np.float32 and (np.abs(actions) <= 1.0).all() and np.isfinite(actions).all()
         np.testing.assert_array_equal(alone, actions[4])
         first = step == 29  # memory is cleared where an episode starts
-        batch.step(decode(actions, agent.world, count), batch.episode["terminated"] | batch.episode["truncated"])
+        batch.step(decode(actions, agent.params, count), ~(batch.episode["terminated"] | batch.episode["truncated"]))
 
 
 def test_name_and_folder_are_one_policy_for_the_records(name):
-    world, folder = home(name), str(AGENTS[name])
+    params, folder = home(name), str(AGENTS[name])
     assert (
-        entry(name, world).hash
-        == entry(folder, world).hash
-        == entry(f"{name}@{world.interface.information}", world).hash
+        entry(name, params).hash
+        == entry(folder, params).hash
+        == entry(f"{name}@{params.interface.information}", params).hash
     )
-    assert entry(name, world).name == name and entry(name, world).hash != entry("none", world).hash
-    assert entry(f"cbf+{name}", world).hash == entry(f"cbf+{folder}", world).hash != entry(name, world).hash
+    assert entry(name, params).name == name and entry(name, params).hash != entry("none", params).hash
+    assert entry(f"cbf+{name}", params).hash == entry(f"cbf+{folder}", params).hash != entry(name, params).hash
 
 
 def test_it_is_listed(name, capsys):

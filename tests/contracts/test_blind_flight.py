@@ -14,15 +14,15 @@ DEAF = {"agent": "gnss", "intruder": "gnss", "estimator": "ls", "channel": {"sen
 def fly(spec, n, **keywords):
     """Episodes 0 of the seeds 0..n-1 of split `validation`: their records at the end."""
     policy = baselines.make(spec, Params.of(**keywords))
-    batch, rows = Batch(policy.world, n), np.ones(n, bool)
+    batch, rows = Batch(policy.params, n), np.ones(n, bool)
     batch.seed(np.arange(n, dtype=np.uint64))
-    batch.choose({"split": "validation", "episode": 0}, rows)
+    batch.apply_options({"split": "validation", "episode": 0}, rows)
     assert np.all(batch.split == SPLITS["validation"])
     batch.reset(rows)
     done, state = np.zeros(n, bool), None
     while not done.all():
         actions, state = policy.predict(batch.observations, state)
-        batch.step(decode(actions, policy.world, n), done)
+        batch.step(decode(actions, policy.params, n), ~done)
         done = batch.episode["terminated"] | batch.episode["truncated"]
     return batch.episode.copy()
 

@@ -16,17 +16,17 @@ def flown(name, family, information="positions"):
     """A finished batch, and the greatest speed seen."""
     planar = name not in baselines.POLICIES or not baselines.POLICIES[name].in_space
     policy = baselines.make(name, Params.of(families=family, information=information, planar=planar))
-    assert "@" in name or policy.world.interface.information == information
-    batch = Batch(policy.world, COUNT)
+    assert "@" in name or policy.params.interface.information == information
+    batch = Batch(policy.params, COUNT)
     batch.seed(np.arange(COUNT, dtype=np.uint64))
     batch.reset(np.ones(COUNT, bool))
     ended, state, fastest_mps = np.zeros(COUNT, bool), None, 0.0
     while not ended.all():
         actions, state = policy.predict(batch.observations, state)
         assert np.isfinite(actions).all()
-        batch.step(decode(actions, policy.world, COUNT), ended)
+        batch.step(decode(actions, policy.params, COUNT), ~ended)
         assert np.isfinite(batch.observations).all() and np.isfinite(batch.rewards).all()
-        fastest_mps = max(fastest_mps, np.linalg.norm(batch.world.aircraft["velocity_mps"], axis=-1).max())
+        fastest_mps = max(fastest_mps, np.linalg.norm(batch.state.aircraft["velocity_mps"], axis=-1).max())
         ended = batch.episode["terminated"] | batch.episode["truncated"]
     return batch, fastest_mps
 
@@ -37,8 +37,8 @@ def test_any_policy_stays_finite_and_within_the_speed_limit(name, information, f
     batch, fastest_mps = flown(name, family, information)
     assert fastest_mps <= batch.params.aircraft.speed_max_mps * (1 + 1e-12)
     for field in ("position_m", "solution_m", "way_point_m"):
-        assert np.isfinite(batch.world.aircraft[field]).all()
-    assert (batch.world.links["range_m"][:, 0] > 0.0).all()
+        assert np.isfinite(batch.state.aircraft[field]).all()
+    assert (batch.state.links["range_m"][:, 0] > 0.0).all()
 
 
 @pytest.mark.parametrize(

@@ -232,8 +232,8 @@ def test_no_nan_in_odd_worlds(keywords):
             assert np.isfinite(rewards).all()
             assert not (terminated & truncated).any()
             assert all(np.isfinite(infos[name]).all() for name in INFO)
-    world = envs.batch.world
-    for records in (world.aircraft, world.links, world.contacts):
+    state = envs.batch.state
+    for records in (state.aircraft, state.links, state.contacts):
         for name in records.dtype.names:
             assert records.dtype[name].base.kind != "f" or np.isfinite(records[name]).all(), name
 

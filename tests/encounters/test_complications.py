@@ -31,7 +31,7 @@ def flight(batch):
     """Fly with no action, and yield the rows still flying before each decision is looked at."""
     done = np.zeros(batch.n, bool)
     while not done.all():
-        batch.step(np.zeros((batch.n, 3)), done)
+        batch.step(np.zeros((batch.n, 3)), ~done)
         yield ~done
         done |= batch.episode["terminated"] | batch.episode["truncated"]
 
@@ -53,7 +53,7 @@ def angle(one, two):
 def bend(name):
     """Legs of the intruder, when it bends before the closest approach, and the planned range there."""
     batch = fresh(families=name)
-    agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, 1]
+    agent, intruder = batch.state.aircraft[:, 0], batch.state.aircraft[:, 1]
     velocities, bend_s = legs(intruder)
     own = agent["path_m"][:, 0] + agent["planned_mps"] * bend_s[:, None]
     assert np.all(agent["path_points"] == 2)
@@ -71,7 +71,7 @@ def assert_uniform(values, low, high):
 
 def entry_s(batch):
     """First time that the planned range is at most the zone's radius, in steps of 0.01 s: straight paths."""
-    agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, 1]
+    agent, intruder = batch.state.aircraft[:, 0], batch.state.aircraft[:, 1]
     r = intruder["path_m"][:, 0] - agent["path_m"][:, 0]
     v = intruder["planned_mps"] - agent["planned_mps"]
     times = np.arange(0.0, 80.0, 0.01)
@@ -95,8 +95,8 @@ def test_late_turn_is_made_while_the_warning_is_open():
     batch = fresh(families="late-turn")
     warned, before = [], np.zeros(N, np.int64)
     for flying in flight(batch):
-        now = batch.world.aircraft["leg"][:, 1].copy()
-        warned.extend(batch.world.contacts["warning"][flying & (now > before), 0])
+        now = batch.state.aircraft["leg"][:, 1].copy()
+        warned.extend(batch.state.contacts["warning"][flying & (now > before), 0])
         before = now
     share = np.mean(warned)
     print(f"\nshare of {len(warned)} late turns that are made while the warning is open: {share}")
@@ -120,7 +120,7 @@ def test_accelerating_is_flown():
     """At the closest approach the intruder is where the new speed has brought it; the limit of speed holds."""
     batch, low, high = fresh(200, families="accelerating", gust_mps=0.0), CRUISE_MPS[0], WORLD.aircraft.speed_max_mps
     for flying in flight(batch):
-        craft = batch.world.aircraft[flying, 1]
+        craft = batch.state.aircraft[flying, 1]
         speed = np.linalg.norm(craft["velocity_mps"], axis=1)
         assert np.all((speed > low - 0.5) & (speed <= high * (1 + 1e-12)))
         late = batch.episode["tick"][flying] * 0.1 >= batch.episode["approach_s"][flying]
@@ -131,7 +131,7 @@ def test_accelerating_is_flown():
 def test_merging_intruders_come_one_after_another_and_follow_one_course():
     """Planned to stay 10 m apart from each other, which is more than a collision."""
     batch = fresh(200, families="merging", intruders=8)
-    agent, intruders = batch.world.aircraft[:, 0], batch.world.aircraft[:, 1:]
+    agent, intruders = batch.state.aircraft[:, 0], batch.state.aircraft[:, 1:]
     first_s = batch.episode["approach_s"]
     courses, offsets, arrivals = [], [], []
     for k in range(8):
@@ -181,15 +181,15 @@ def test_merging_encounters_can_always_be_drawn(intruders):
 
 def test_deceitful_announces_a_turn_that_is_not_flown():
     batch = fresh(families="deceitful", intruder="gnss")  # no fix moves the solution between message and look
-    velocities, _ = legs(batch.world.aircraft[:, 1])
+    velocities, _ = legs(batch.state.aircraft[:, 1])
     np.testing.assert_allclose(velocities[:, 0], velocities[:, 1], rtol=1e-9)
-    cosine, sine = batch.world.contacts["false_turn"][:, 0].T
+    cosine, sine = batch.state.contacts["false_turn"][:, 0].T
     announced = np.arctan2(sine, cosine)
     assert_uniform(announced, *FAMILIES["deceitful"].complication.announced_rad)
     lies = truths = 0
     for flying in flight(batch):
-        rows = flying & batch.world.contacts["warning"][:, 0]
-        contact, craft = batch.world.contacts[rows, 0], batch.world.aircraft[rows, 1]
+        rows = flying & batch.state.contacts["warning"][:, 0]
+        contact, craft = batch.state.contacts[rows, 0], batch.state.aircraft[rows, 1]
         assert np.array_equal(contact["position_m"], craft["solution_m"])
         ahead = WORLD.messages.announce_s * (craft["planned_mps"] + craft["velocity_error_mps"])
         told_ahead = contact["way_point_m"] - contact["position_m"]
@@ -215,9 +215,9 @@ def test_deceit_leaves_flight_and_radio_alone():
     honest, liar = fresh(100, families="outage"), fresh(100, families="deceitful")
     for _, flying in zip(flight(honest), flight(liar), strict=True):
         for column in ("coloured_db", "wander"):
-            assert np.array_equal(honest.world.links[column][flying, 0], liar.world.links[column][flying, 0])
+            assert np.array_equal(honest.state.links[column][flying, 0], liar.state.links[column][flying, 0])
         np.testing.assert_allclose(
-            honest.world.aircraft["position_m"][flying], liar.world.aircraft["position_m"][flying], atol=1e-6
+            honest.state.aircraft["position_m"][flying], liar.state.aircraft["position_m"][flying], atol=1e-6
         )
 
 
@@ -227,15 +227,15 @@ def test_deceit_leaves_flight_and_radio_alone():
 def test_onsets_are_about_the_entry_into_the_zone():
     for name, column in (("path-loss-jump", "jump_s"), ("outage", "silent_s")):
         batch = fresh(families=name)
-        records = batch.world.links[:, 0] if column == "jump_s" else batch.world.contacts[:, 0]
+        records = batch.state.links[:, 0] if column == "jump_s" else batch.state.contacts[:, 0]
         after_s = records[column] - entry_s(batch)
         low, high = FAMILIES[name].complication.onset_s
         assert stats.kstest(after_s, stats.uniform(low, high - low).cdf).pvalue > 1e-4
     batch = fresh(families="outage")
     low, high = FAMILIES["outage"].complication.outage_s
-    spans_s = batch.world.contacts["silent_until_s"][:, 0] - batch.world.contacts["silent_s"][:, 0]
+    spans_s = batch.state.contacts["silent_until_s"][:, 0] - batch.state.contacts["silent_s"][:, 0]
     assert stats.kstest(spans_s, stats.uniform(low, high - low).cdf).pvalue > 1e-4
-    jump = fresh(families="path-loss-jump").world.links["jump"]
+    jump = fresh(families="path-loss-jump").state.links["jump"]
     assert_uniform(jump[:, 0], *FAMILIES["path-loss-jump"].complication.path_loss_jump)
     assert not jump[:, 1:].any()  # the links to the nodes are as they were
 
@@ -245,11 +245,11 @@ def jumps(information):
     """A flight over a link without noise, each sample inverted alone: before and after the jump."""
     channel = {"white_variance_db2": 0.0, "coloured_variance_db2": 1e-6, "path_loss_wander": 0.0}
     batch = fresh(100, families="path-loss-jump", channel=channel, estimator="ls", information=information)
-    link, rows = batch.world.links[:, 0], []
+    link, rows = batch.state.links[:, 0], []
     for flying in flight(batch):
         before = batch.episode["tick"] * 0.1 - 0.5  # when the decision began; the jump waits for the next one
         distance = np.linalg.norm(
-            batch.world.aircraft["position_m"][:, 0] - batch.world.aircraft["position_m"][:, 1], axis=1
+            batch.state.aircraft["position_m"][:, 0] - batch.state.aircraft["position_m"][:, 1], axis=1
         )
         jump = np.where(before >= link["jump_s"], link["jump"], 0.0)
         told = batch.seen.others["path_loss_factor"][:, 0]
@@ -280,7 +280,7 @@ def test_the_jump_is_known_to_the_oracle_alone():
 
 def test_in_an_outage_there_is_no_message_and_the_range_is_only_predicted():
     batch = fresh(300, families="outage", decision_s=0.1)
-    link, contact = batch.world.links[:, 0], batch.world.contacts[:, 0]
+    link, contact = batch.state.links[:, 0], batch.state.contacts[:, 0]
     silent_ticks = np.zeros(batch.n, np.int64)
     grown, reopened = 0, 0
     before, was_silent, was_warned = link.copy(), np.zeros(batch.n, bool), contact["warning"].copy()
@@ -310,22 +310,22 @@ def test_in_an_outage_there_is_no_message_and_the_range_is_only_predicted():
 
 def test_each_intruder_has_the_complication_of_its_own_family():
     batch = fresh(300, families=("crossing", "deceitful", "outage"), intruders=4)
-    law = batch.world.aircraft["law"][:, 1:]
-    assert np.bincount(law.ravel(), minlength=3).min() > 100
-    assert np.array_equal(law[:, 0], batch.episode["family"])
-    assert np.array_equal(batch.world.contacts["false_turn"][..., 1] != 0.0, law == 1)
-    assert np.array_equal(batch.world.contacts["silent_until_s"] > batch.world.contacts["silent_s"], law == 2)
+    family = batch.state.aircraft["family"][:, 1:]
+    assert np.bincount(family.ravel(), minlength=3).min() > 100
+    assert np.array_equal(family[:, 0], batch.episode["family"])
+    assert np.array_equal(batch.state.contacts["false_turn"][..., 1] != 0.0, family == 1)
+    assert np.array_equal(batch.state.contacts["silent_until_s"] > batch.state.contacts["silent_s"], family == 2)
 
 
 @pytest.mark.parametrize("suite", ["separating-v0", "merging-v0"])
 def test_between_a_fifth_and_three_fifths_collide_if_nobody_acts(suite):
     """In each family; the radio is left out of it."""
-    world = SUITES[suite].params
+    params = SUITES[suite].params
     batch = fresh(
         3000,
-        families=world.encounter.families,
-        intruders=world.encounter.intruders,
-        intruders_min=world.encounter.intruders_min,
+        families=params.encounter.families,
+        intruders=params.encounter.intruders,
+        intruders_min=params.encounter.intruders_min,
         agent="gnss",
         intruder="gnss",
         estimator="ls",

@@ -12,7 +12,7 @@ from rss_gym.core import Batch
 from rss_gym.encounters.sampler import BEYOND_S
 from rss_gym.eval.suites import SEPARATING
 from rss_gym.params import Encounter, Params, ParamsError
-from rss_gym.records import MAX_WAY_POINTS
+from rss_gym.state import MAX_WAY_POINTS
 
 N = 4000
 ENCOUNTER, CLOCK = Params().encounter, Params().clock
@@ -74,7 +74,7 @@ def least_separation(agent, intruder, approach_s, end_s):
 def drawn(name, planar=True, intruders=1):
     """Encounters of a family, and what NumPy reads from the last intruder's path: one array per quantity."""
     batch = fresh(families=name, planar=planar, intruders=intruders, n=N if intruders == 1 else 800)
-    agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, -1]
+    agent, intruder = batch.state.aircraft[:, 0], batch.state.aircraft[:, -1]
     # Each intruder's path is laid until `BEYOND_S` after its closest approach.
     rows = np.arange(batch.n)
     approach_s = intruder["path_s"][rows, intruder["path_points"] - 1] - BEYOND_S
@@ -213,7 +213,7 @@ def test_turns_defeat_straight_extrapolation():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_paths_are_polylines_at_constant_speed(name):
-    for row in fresh(200, families=name, intruders=2).world.aircraft:
+    for row in fresh(200, families=name, intruders=2).state.aircraft:
         for a, craft in enumerate(row):
             points = craft["path_points"]
             assert 2 <= points <= MAX_WAY_POINTS
@@ -236,7 +236,7 @@ def test_every_intruder_is_within_the_limits(intruders):
 
 
 def test_an_intruder_does_not_depend_on_how_many_follow():
-    few, many = fresh(200, intruders=3).world.aircraft, fresh(200, intruders=8).world.aircraft
+    few, many = fresh(200, intruders=3).state.aircraft, fresh(200, intruders=8).state.aircraft
     for name in ("path_m", "path_s", "path_points"):
         assert np.array_equal(few[name], many[name][:, :4])
 
@@ -254,7 +254,7 @@ def test_about_two_fifths_collide_if_nobody_acts(planar):
     batch = fresh(planar=planar, agent="gnss", intruder="gnss", estimator="ls", channel={"sensitivity_dbm": 0.0})
     done, actions = np.zeros(N, bool), np.zeros((N, 3))
     while not done.all():
-        batch.step(actions, done)
+        batch.step(actions, ~done)
         done |= batch.episode["terminated"] | batch.episode["truncated"]
     share = stats.binomtest(int(batch.episode["collision"].sum()), N).proportion_ci(0.95, method="exact")
     print(
@@ -266,14 +266,14 @@ def test_about_two_fifths_collide_if_nobody_acts(planar):
 def test_from_behind_the_intruder_is_faster_and_starts_behind():
     d, batch = drawn("from-behind"), fresh(families="from-behind")
     assert np.all(d.speeds[1] > d.speeds[0])
-    r = batch.world.aircraft["path_m"][:, 1, 0] - batch.world.aircraft["path_m"][:, 0, 0]
-    assert np.mean(np.sum(r * batch.world.aircraft["along"][:, 0], axis=1) < 0.0) > 0.9
+    r = batch.state.aircraft["path_m"][:, 1, 0] - batch.state.aircraft["path_m"][:, 0, 0]
+    assert np.mean(np.sum(r * batch.state.aircraft["along"][:, 0], axis=1) < 0.0) > 0.9
 
 
 def test_the_own_turn_does_not_tell_when_the_closest_approach_is():
     """It is made at any time from 40 s before to 20 s after it, as far as the flight lasts as long before it."""
     batch = fresh(families="turning")
-    agent, approach_s = batch.world.aircraft[:, 0], batch.episode["approach_s"]
+    agent, approach_s = batch.state.aircraft[:, 0], batch.episode["approach_s"]
     before_s, most_s = approach_s - agent["path_s"][:, 1], np.minimum(40.0, 0.6 * approach_s)
     share = (before_s + 20.0) / (most_s + 20.0)
     assert np.all((share >= -1e-9) & (share <= 1.0 + 1e-9))
@@ -315,7 +315,7 @@ def test_every_family_is_reachable_by_name(name):
 def test_scripts_are_laid_as_written(name):
     """In the axes of the agent's heading, which is drawn."""
     script, batch = SCRIPTS[name], fresh(200, families=name)
-    agent, intruder = batch.world.aircraft[:, 0], batch.world.aircraft[:, 1]
+    agent, intruder = batch.state.aircraft[:, 0], batch.state.aircraft[:, 1]
     times = np.linspace(0.0, script.end_s, 7)
     (own, own_v), (other, _) = (path_at(craft, np.tile(times, (batch.n, 1))) for craft in (agent, intruder))
     np.testing.assert_allclose(np.linalg.norm(own_v, axis=2), script.own_mps, rtol=1e-12)

@@ -28,9 +28,9 @@ def test_one_collision_in_ten_thousand_weighs_as_a_metre():
 
 def test_prices_are_those_of_the_world():
     assert Prices.of(Params()) == SCORE == Prices(1.0, 100.0, 10_000.0)
-    world = Params.of(deviation_price=2.0, snmac_price_m=3.0, collision_price_m=5.0)
-    assert cost_m(10.0, True, True, Prices.of(world)) == 28.0
-    assert of([10.0, 10.0], [1, 0], [1, 0], Prices.of(world)).deviation_m.tolist() == [20.0, 20.0]
+    params = Params.of(deviation_price=2.0, snmac_price_m=3.0, collision_price_m=5.0)
+    assert cost_m(10.0, True, True, Prices.of(params)) == 28.0
+    assert of([10.0, 10.0], [1, 0], [1, 0], Prices.of(params)).deviation_m.tolist() == [20.0, 20.0]
 
 
 def test_without_events_the_interval_of_the_deviation_is_raised_by_what_none_of_n_allows():

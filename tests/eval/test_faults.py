@@ -88,8 +88,8 @@ def broken(monkeypatch):
     """A world that breaks in episode 7 of seed 0."""
     step = core.Batch.step
 
-    def breaks(self, actions, skip):
-        step(self, actions, skip)
+    def breaks(self, actions, mask):
+        step(self, actions, mask)
         if 7 in self.episode["number"].tolist():
             raise NotFiniteError("suite", 0, 7)
 

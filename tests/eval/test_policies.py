@@ -15,16 +15,16 @@ from rss_gym.params import Params
 
 def write(folder, value):
     """A policy folder of one linear layer, all its weights alike."""
-    world = Params()
-    names = [field.name for field in fields(world)]
+    params = Params()
+    names = [field.name for field in fields(params)]
     network = Network(layers=())
     folder.mkdir(parents=True)
-    tensors = {name: np.full(shape, value, np.float32) for name, shape in network.shapes(world).items()}
+    tensors = {name: np.full(shape, value, np.float32) for name, shape in network.shapes(params).items()}
     save_file(tensors, folder / "policy.safetensors")
     document = {
         "format": FORMAT,
         "network": {**network.__dict__, "layers": []},
-        "interface": {"information": world.interface.information},
+        "interface": {"information": params.interface.information},
         "observation": names,
         "training": {},
     }

@@ -246,14 +246,14 @@ def test_flights_equal_those_of_the_environment(result):
     data = replay.collect(result)
     shown = {policy["name"]: policy["cases"] for policy in data["policies"]}
     for scored in result.policies[1:3]:
-        world = scored.entry.world
+        params = scored.entry.params
         for case in shown[scored.entry.name]:
             flight = data["flights"][case["flight"]]
-            env = gym.make("rss_gym/Encounter-v0", params=world.to_dict()).unwrapped
+            env = gym.make("rss_gym/Encounter-v0", params=params.to_dict()).unwrapped
             observation, _ = env.reset(seed=result.seed, options={"split": "suite", "episode": case["episode"]})
             state, start, over, path, intruder = None, np.ones(1, bool), False, [], []
             while True:
-                path.append(env.batch.world.aircraft[0]["position_m"][:, :2].copy())
+                path.append(env.batch.state.aircraft[0]["position_m"][:, :2].copy())
                 if over:
                     break
                 action, state = scored.entry.policy.predict(observation[None], state, start)

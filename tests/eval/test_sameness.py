@@ -75,7 +75,7 @@ def test_any_selection_of_episodes_gives_the_same_rows(alone, numbers):
     chosen = list(numbers)
     for index, spec in ((0, "none"), (2, "random"), (3, "flyers:Flyer")):
         item = entry(spec, suite.params)
-        table, _ = fly_episodes(item.policy, item.name, item.world, Block(suite.split, 0, numbers))
+        table, _ = fly_episodes(item.policy, item.name, item.params, Block(suite.split, 0, numbers))
         expected = alone.policies[index].table[chosen]
         expected["manoeuvre_m"] = 0.0  # for want of the positions of `none`
         assert table.tobytes() == expected.tobytes()

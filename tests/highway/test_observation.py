@@ -45,7 +45,14 @@ def test_columns_follow_the_table(params):
             gap, speed = other["position_m"] - own["position_m"][0], other["velocity_mps"] - own["velocity_mps"][0]
             raw += [1.0, *(other[name] for name in ("range_m", "range_std_m", "range_rate_mps", "coloured_db"))]
             raw += [other[name] for name in ("path_loss_factor", "white_std_db", "coloured_std_db", "coloured_tc_s")]
-            raw += [other["radius_m"], other["range_m"] - other["radius_m"], 1.0, other["streak"], 1.0, other["age_s"]]
+            raw += [
+                other["radius_m"],
+                other["range_m"] - other["radius_m"],
+                1.0,
+                other["consecutive_warnings"],
+                1.0,
+                other["age_s"],
+            ]
             raw += [speed[0] * 0.6 + speed[1] * 0.8, speed[1] * 0.6 - speed[0] * 0.8]
             if params.interface.information != "ranges":
                 raw += [gap[0] * 0.6 + gap[1] * 0.8, gap[1] * 0.6 - gap[0] * 0.8, other["std_m"]]

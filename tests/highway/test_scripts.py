@@ -32,7 +32,7 @@ def test_example(monkeypatch, capsys):
 
 def test_benchmark(monkeypatch, capsys):
     module = run(ROOT / "benchmarks" / "highway.py", monkeypatch, "--seconds", "0.05")
-    for owner, name in ((module.sensor.Sensor, "tick"), (module.sensor.Sensor, "decide")):
+    for owner, name in ((module.sensor.Sensor, "tick"), (module.sensor.Sensor, "advance_slow_noise")):
         monkeypatch.setattr(owner, name, getattr(owner, name))  # put back afterwards
     for name in ("_observe", "_info"):
         monkeypatch.setattr(module.wrapper.RssRanging, name, getattr(module.wrapper.RssRanging, name))

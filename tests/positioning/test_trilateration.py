@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 
 from rss_gym.params import Params
 from rss_gym.positioning.trilateration import trilaterate
-from rss_gym.records import config
+from rss_gym.state import config
 
 NODES = config(Params())[0]["nodes_m"]
 TRIPLES = [tuple(j for j in range(4) if j != left_out) for left_out in range(4)]

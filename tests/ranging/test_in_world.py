@@ -15,7 +15,7 @@ from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
 from rss_gym.core import Batch
 from rss_gym.params import Params
 from rss_gym.physics.random import normal, uniform
-from rss_gym.records import config, global_link
+from rss_gym.state import config, global_link
 from rss_gym.streams import NODES, STREAM_LOSS, STREAM_START_LINK, STREAM_TICK, STREAM_WANDER
 
 ROWS = 3
@@ -43,23 +43,23 @@ def record(params, seed):
     rng, done, frames = np.random.default_rng(seed), np.zeros(ROWS, bool), []
     actions = np.zeros((ROWS, 3))
     while True:
-        world = batch.world
+        state = batch.state
         frames.append(
             SimpleNamespace(
                 done=done.copy(),
-                position=world.aircraft["position_m"].copy(),
-                solution=world.aircraft["solution_m"].copy(),
-                solution_mps=world.aircraft["solution_mps"].copy(),
-                solution_std=world.aircraft["solution_std_m"].copy(),
-                link=world.links.copy(),
-                contact=world.contacts.copy(),
+                position=state.aircraft["position_m"].copy(),
+                solution=state.aircraft["solution_m"].copy(),
+                solution_mps=state.aircraft["solution_mps"].copy(),
+                solution_std=state.aircraft["solution_std_m"].copy(),
+                link=state.links.copy(),
+                contact=state.contacts.copy(),
             )
         )
         if done.all():
             return batch, frames
         if len(frames) % 50 == 1:
             actions = rng.uniform(-1.0, 1.0, (ROWS, 3)) * rng.integers(0, 2)
-        batch.step(actions, done)
+        batch.step(actions, ~done)
         done |= batch.episode["terminated"] | batch.episode["truncated"]
 
 
@@ -231,6 +231,6 @@ def test_a_first_sample_that_is_not_received_leaves_the_prior():
     batch = Batch(Params.of(channel={"sensitivity_dbm": 0.0}), 4)
     batch.seed(np.arange(4, dtype=np.uint64))
     batch.reset(np.ones(4, bool))
-    ranging, link = batch.params.ranging, batch.world.links[:, 0]
+    ranging, link = batch.params.ranging, batch.state.links[:, 0]
     np.testing.assert_allclose(link["range_m"], ranging.prior_range_m)
     np.testing.assert_allclose(link["p_dd"], ranging.prior_std_m**2)

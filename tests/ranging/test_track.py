@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from rss_gym.params import Channel, ParamsError, load_channel
 from rss_gym.physics.noise import decay, driving_std
 from rss_gym.ranging import RANGE_ESTIMATORS, coloured
-from rss_gym.ranging.track import ESTIMATORS, Track, Tuning, track
+from rss_gym.ranging.track import ESTIMATORS, RangeTrack, Tuning, track
 
 EVERY = pytest.mark.parametrize("name", ESTIMATORS)
 FILTERS = tuple(name for name in ESTIMATORS if name.startswith("ekf"))
@@ -275,11 +275,11 @@ def test_innovations_are_what_the_update_uses(name):
 def test_nees_by_hand():
     p = np.array([[9.0, 1.0], [1.0, 4.0]])
     arrays = np.array([10.0]), np.array([1.0]), np.array([[9.0, 1.0, 4.0]]), np.array([2.0]), np.array([8.0])
-    out, error = Track(*arrays), np.array([-2.0, 0.5])
+    out, error = RangeTrack(*arrays), np.array([-2.0, 0.5])
     assert out.nees([12.0])[0] == pytest.approx(4.0 / 9.0)
     assert out.nees([12.0], [0.5])[0] == pytest.approx(error @ np.linalg.inv(p) @ error)
     assert out.nis[0] == 0.5
-    logarithmic = Track(*arrays, logarithmic=True)
+    logarithmic = RangeTrack(*arrays, logarithmic=True)
     assert logarithmic.nees([12.0])[0] == pytest.approx(math.log(10.0 / 12.0) ** 2 / 9.0)
     assert logarithmic.range_std_m[0] == pytest.approx(30.0)
     with pytest.raises(ParamsError, match="above 0"):

@@ -7,8 +7,8 @@ import pytest
 
 from rss_gym.core import Batch
 from rss_gym.params import Params
-from rss_gym.records import AIRCRAFT
 from rss_gym.render.recorder import RENDER_FPS, Recorder, predefined_m
+from rss_gym.state import AIRCRAFT
 
 ACTION = np.array([0.1, 0.5, -0.4])
 
@@ -19,11 +19,11 @@ def fly(decisions, rows=1, row=0, seed=3, **keywords):
     batch.seed(np.arange(seed, seed + rows, dtype=np.uint64))
     batch.reset(np.ones(rows, bool))
     recorder.reset(batch, row)
-    positions = [batch.world.aircraft[row]["position_m"].copy()]
+    positions = [batch.state.aircraft[row]["position_m"].copy()]
     for _ in range(decisions):
-        batch.step(np.tile(ACTION, (rows, 1)), np.zeros(rows, bool))
+        batch.step(np.tile(ACTION, (rows, 1)), np.ones(rows, bool))
         recorder.append(batch, row)
-        positions.append(batch.world.aircraft[row]["position_m"].copy())
+        positions.append(batch.state.aircraft[row]["position_m"].copy())
     return batch, recorder, np.array(positions)
 
 
@@ -64,7 +64,7 @@ def test_a_scene_says_what_the_agent_knows():
 @pytest.mark.parametrize("information", ["oracle", "positions", "ranges"])
 def test_an_estimate_is_the_track_on_the_own_solution(information):
     batch, recorder, positions = fly(40, information=information)
-    intruder, track = recorder.scene(batch, 0).intruders[0], batch.world.tracks[0, 0]
+    intruder, track = recorder.scene(batch, 0).intruders[0], batch.state.tracks[0, 0]
     assert track["valid"]
     assert np.array_equal(intruder.estimate_m, batch.seen.own[0]["position_m"] + track["position_m"])
     assert np.array_equal(intruder.position_m, positions[-1, 1])
@@ -83,13 +83,13 @@ def test_absent_intruders_are_left_out():
 
 def test_a_recorder_only_reads():
     batch, recorder, _ = fly(4)
-    before = copy.deepcopy((batch.world, batch.seen))
+    before = copy.deepcopy((batch.state, batch.seen))
     scene = recorder.scene(batch, 0)
     for craft in (scene.own, *scene.intruders):
         for array in (craft.position_m, craft.flown_m, craft.predefined_m, craft.velocity_mps):
             array += 1.0
     scene.way_point_m[:] = scene.planned_m[:] = 0.0
-    for old, new in zip((*before[0], *before[1]), (*batch.world, *batch.seen), strict=True):
+    for old, new in zip((*before[0], *before[1]), (*batch.state, *batch.seen), strict=True):
         assert old.tobytes() == new.tobytes()
     later = recorder.scene(batch, 0)
     assert np.allclose(later.own.flown_m, scene.own.flown_m - 1.0)

@@ -9,8 +9,8 @@ from rss_gym.tracking import TRACK, memory_columns, model
 STEP_S = 0.5
 
 
-def world(**changes):
-    """The model of a plane in which both sides are localised by radio, unless told."""
+def tracker_model(**changes):
+    """The model of a plane in which both sides are localised by radio, unless changed."""
     steady = {"agent": "rss", "intruder": "rss", "node_square_m": 300.0, "channel": {"path_loss_wander": 0.0}}
     return model(Params.of(**{**steady, **changes}))[0]
 

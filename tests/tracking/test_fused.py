@@ -87,7 +87,7 @@ def test_a_range_is_filterpys_extended_update(x, entries, range_m):
 @settings(max_examples=40)
 def test_covariances_stay_symmetric_and_positive(range_m, std_m, seed):
     """Whatever is sensed, also what contradicts the message before."""
-    rng, constants = np.random.default_rng(seed), sensing.world()
+    rng, constants = np.random.default_rng(seed), sensing.tracker_model()
     memory, track = sensing.empty("fused")
     for _ in range(30):
         own, other = sensing.records(
@@ -119,10 +119,10 @@ def turned(records, c, s, names):
 def test_rotation_of_the_world_rotates_the_track(angle, seed):
     _, own, other = sensing.flights(np.random.default_rng(seed), 1, 60, 6.0, 4.0)
     c, s = np.cos(angle), np.sin(angle)
-    one = sensing.fly(fused, "fused", own, other, sensing.world())
+    one = sensing.fly(fused, "fused", own, other, sensing.tracker_model())
     two = sensing.fly(
         fused, "fused", turned(own, c, s, ("position_m", "velocity_mps")),
-        turned(other, c, s, ("position_m", "velocity_mps")), sensing.world(),
+        turned(other, c, s, ("position_m", "velocity_mps")), sensing.tracker_model(),
     )  # fmt: skip
     expected = turned(one, c, s, ("position_m",))
     np.testing.assert_allclose(two["position_m"], expected["position_m"], rtol=1e-5, atol=1e-5)
@@ -134,7 +134,7 @@ def test_rotation_of_the_world_rotates_the_track(angle, seed):
 
 def test_an_episode_before_is_forgotten():
     memory, track = sensing.empty("fused")
-    constants = sensing.world()
+    constants = sensing.tracker_model()
     fused.advance(*sensing.records(position_m=(-20.0, 40.0, 0.0)), memory, track, constants)
     memory[:] = 0.0
     fused.advance(*sensing.records(), memory, track, constants)
@@ -145,7 +145,7 @@ def test_an_episode_before_is_forgotten():
 
 def test_silence_widens_the_track_and_a_message_narrows_it():
     memory, track = sensing.empty("fused")
-    constants, spread = sensing.world(), []
+    constants, spread = sensing.tracker_model(), []
     for n in range(40):
         silent = 10 <= n < 30
         age = 0.5 * (n - 9) if silent else 0.0
@@ -161,7 +161,7 @@ def test_silence_widens_the_track_and_a_message_narrows_it():
 
 def test_the_height_is_the_messages():
     memory, track = sensing.empty("fused")
-    constants = sensing.world(planar=False)
+    constants = sensing.tracker_model(planar=False)
     own, other = sensing.records(own_position_m=(0.0, 0.0, 20.0), position_m=(70.0, 0.0, 32.0), range_m=71.0)
     fused.advance(own, other, memory, track, constants)
     assert track["position_m"][2] == 12.0
@@ -171,7 +171,7 @@ def test_the_height_is_the_messages():
 def test_errors_are_as_stated_and_less_than_half_the_messages_near_the_other():
     """Forty flights past each other at up to 15 m: rms(error / std) near 1, and the message beaten where it counts."""
     truth, own, other = sensing.flights(np.random.default_rng(7), 40, 80, 6.0, 4.0)
-    constants = sensing.world()
+    constants = sensing.tracker_model()
     d = np.linalg.norm(truth, axis=-1)
     along, across, error = sensing.standardised(sensing.fly(fused, "fused", own, other, constants), truth)
     _, _, held = sensing.standardised(sensing.fly(latest, "latest", own, other, constants), truth)

@@ -19,7 +19,7 @@ SLOW = {"path_loss_factor": 3.3, "white_variance_db2": 1.6, "coloured_variance_d
 def sensed(batch):
     """OWN and OTHER of the first intruder in every row, of the records that sensing copies."""
     own, other = np.zeros(batch.n, OWN), np.zeros(batch.n, OTHER)
-    agent, contact, link = batch.world.aircraft[:, 0], batch.world.contacts[:, 0], batch.world.links[:, 0]
+    agent, contact, link = batch.state.aircraft[:, 0], batch.state.contacts[:, 0], batch.state.links[:, 0]
     channel = batch.params.channels[0]
     own["position_m"], own["velocity_mps"] = agent["solution_m"], agent["solution_mps"]
     own["std_m"] = agent["solution_std_m"]
@@ -45,9 +45,9 @@ def flown(params, modules):
             for row in np.flatnonzero(live):
                 module.advance(own[row], other[row], memory[name][row], tracks[name][row], constants)
             out[name].append(tracks[name][live])
-        aircraft = batch.world.aircraft["position_m"]
+        aircraft = batch.state.aircraft["position_m"]
         truth.append((aircraft[:, 1] - aircraft[:, 0])[live, :2])
-        batch.step(np.zeros((ROWS, 3)), ~live)
+        batch.step(np.zeros((ROWS, 3)), live)
         live &= ~(batch.episode["terminated"] | batch.episode["truncated"])
     truth = np.concatenate(truth)
     return truth, {name: np.concatenate(tracks) for name, tracks in out.items()}

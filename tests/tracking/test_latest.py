@@ -15,7 +15,7 @@ place, speed = st.floats(-150.0, 150.0), st.floats(-6.0, 6.0)
 
 def test_latest_is_its_formula():
     memory, track = sensing.empty("latest")
-    constants = sensing.world(planar=False)
+    constants = sensing.tracker_model(planar=False)
     own, other = sensing.records(
         own_position_m=(5.0, -2.0, 20.0), own_velocity_mps=(3.0, 1.0, 0.5), position_m=(60.0, 20.0, 30.0),
         velocity_mps=(-2.0, 1.5, -0.5), age_s=2.0,
@@ -35,13 +35,13 @@ def test_without_a_message_there_is_no_track(tracker):
 
     memory, track = sensing.empty(tracker)
     own, other = sensing.records(valid=False)
-    import_module(f"rss_gym.tracking.{tracker}").advance(own, other, memory, track, sensing.world())
+    import_module(f"rss_gym.tracking.{tracker}").advance(own, other, memory, track, sensing.tracker_model())
     assert not track["valid"]
     assert len(memory) == memory_columns(tracker)
 
 
 def test_the_model_knows_who_is_localised_how():
-    by_radio, gnss = sensing.world(), sensing.world(agent="gnss", intruder="gnss")
+    by_radio, gnss = sensing.tracker_model(), sensing.tracker_model(agent="gnss", intruder="gnss")
     drifting = model(Params.of(agent="dead-reckoning", intruder="dead-reckoning"))[0]
     assert by_radio["own_tc_s"] == by_radio["other_tc_s"] == 0.0
     assert gnss["own_tc_s"] == gnss["other_tc_s"] == 30.0

@@ -54,7 +54,7 @@ def test_the_rows_fly_the_rule(changes):
         np.testing.assert_array_equal(inputs[64 * step : 64 * (step + 1), :width], batch.observations)
         np.testing.assert_array_equal(actions[64 * step : 64 * (step + 1)], wanted)
         moved = moved or bool(wanted.any())
-        batch.step(np.concatenate([wanted, np.zeros((64, 1))], axis=1), ~rows)
+        batch.step(np.concatenate([wanted, np.zeros((64, 1))], axis=1), rows)
         rows &= ~(batch.episode["terminated"] | batch.episode["truncated"])
         assert rows.all()
     assert moved
@@ -153,7 +153,7 @@ def test_a_run_that_goes_on_does_not_imitate_again(changes, tmp_path, capsys, mo
         raise Killed
 
     with monkeypatch.context() as patch:
-        patch.setattr("rss_gym.train.loop.Rounds._validate", killed)
+        patch.setattr("rss_gym.train.loop.TrainingCallback._validate", killed)
         with pytest.raises(Killed):
             run.start(chosen, tmp_path / "run", show=False)
     monkeypatch.setattr("rss_gym.train.loop.imitate", killed)

@@ -22,7 +22,7 @@ from rss_gym.params import ParamsError
 from rss_gym.train import recipe, run
 from rss_gym.train.learner import Learner
 from rss_gym.train.lock import locked
-from rss_gym.train.validation import Choice, Score, Validator
+from rss_gym.train.validation import BestTracker, ValidationScore, Validator
 
 STEPS = "time/total_timesteps"
 
@@ -91,7 +91,7 @@ def test_the_agent_is_the_best_seeds(finished, capsys):
     validator = Validator(chosen.params, chosen.validation.episodes)
     scores = {name: validator.score(load_agent(finished / name / "best"), name) for name in ("seed-0", "seed-1")}
     other = next(name for name in scores if name != best.parent.name)
-    assert not Choice(scores[best.parent.name]).takes(scores[other])
+    assert not BestTracker(scores[best.parent.name]).takes(scores[other])
     assert table.splitlines()[1].startswith(f"  1. {best.parent.name}, ")
 
 
@@ -194,11 +194,11 @@ def test_a_checkpoint_holds_all_that_was_learnt(name, changes, small, tmp_path):
     if name == "sac":
         assert one.model.log_ent_coef.item() != fresh.model.log_ent_coef.item()
     if chosen.curriculum:
-        assert one.course.venv.params.reward.comfort_m == 20.0
+        assert one.training_env.venv.params.reward.comfort_m == 20.0
     # The rows go on with the episodes that come next.
     one.venv.reset()
     np.testing.assert_array_equal(
-        one.course.numbers, np.array(json.loads((folder / "state.json").read_text())["episodes"]) + 1
+        one.training_env.numbers, np.array(json.loads((folder / "state.json").read_text())["episodes"]) + 1
     )
 
 
@@ -245,30 +245,33 @@ def test_a_new_stage_keeps_the_model_and_counts_episodes_on(small):
     learner.venv.reset()
     for _ in range(200):
         learner.venv.step(np.zeros((64, 2), np.float32))
-    numbers = learner.course.numbers
-    before = learner.course.venv.batch.observations.copy()
+    numbers = learner.training_env.numbers
+    before = learner.training_env.venv.batch.observations.copy()
     learner.move(1)
-    assert learner.course.venv.params.reward.comfort_m == 20.0
-    np.testing.assert_array_equal(learner.course.numbers, numbers + 1)
-    assert not np.array_equal(learner.course.venv.batch.observations, before)
+    assert learner.training_env.venv.params.reward.comfort_m == 20.0
+    np.testing.assert_array_equal(learner.training_env.numbers, numbers + 1)
+    assert not np.array_equal(learner.training_env.venv.batch.observations, before)
     assert learner.model._last_episode_starts.all()
 
 
 def test_episodes_are_recorded(small):
     """Return, length, collision and mean deviation, against a count of one's own."""
     from rss_gym.sb3 import make_vec_env
-    from rss_gym.train.course import Course
+    from rss_gym.train.training_env import TrainingVecEnv
 
     chosen = recipe.load("ppo", small)
-    course, plain = Course(chosen.params, 8, 5), make_vec_env(chosen.env, 8, 5, params=chosen.params, every_info=True)
-    np.testing.assert_array_equal(course.reset(), plain.reset())
+    training_env, plain = (
+        TrainingVecEnv(chosen.params, 8, 5),
+        make_vec_env(chosen.env, 8, 5, params=chosen.params, every_info=True),
+    )
+    np.testing.assert_array_equal(training_env.reset(), plain.reset())
     generator = np.random.default_rng(0)
     kept = [[] for _ in range(8)]
     ended = 0
     for _ in range(250):
         actions = generator.uniform(-1.0, 1.0, (8, 2)).astype(np.float32)
         _, rewards, dones, infos = plain.step(actions)
-        again = course.step(actions)
+        again = training_env.step(actions)
         np.testing.assert_array_equal(again[1], rewards)
         for row in range(8):
             kept[row].append(rewards[row])
@@ -289,10 +292,10 @@ def test_a_policy_is_kept_only_if_the_ranking_puts_it_first(small):
     chosen = recipe.load("ppo", small)
     validator = Validator(chosen.params, 60)
     none, rule = (validator.score(make(spec, chosen.params), "agent") for spec in ("none", "orthogonal:radius_m=60"))
-    choice = Choice()
-    assert choice.takes(none) and choice.takes(rule) and choice.best is rule
-    assert not choice.takes(none) and choice.best is rule
-    assert not choice.takes(rule)  # equal: the one there is stays
+    tracker = BestTracker()
+    assert tracker.takes(none) and tracker.takes(rule) and tracker.best is rule
+    assert not tracker.takes(none) and tracker.best is rule
+    assert not tracker.takes(rule)  # equal: the one there is stays
     assert "of 60" in str(none) and none.to_dict()["collisions"] == none.collisions > 0
 
 
@@ -302,13 +305,13 @@ def test_the_cheapest_is_kept_whatever_comes_before_and_after():
     def score(collisions, deviation_m, faults=0):
         collision = np.arange(n) < collisions
         costs = Costs(cost_m(np.full(n, deviation_m), collision, collision), collision, collision)
-        return Score(Candidate("agent", faults, costs, np.arange(n, dtype=np.uint64)), {})
+        return ValidationScore(Candidate("agent", faults, costs, np.arange(n, dtype=np.uint64)), {})
 
     # 10,100 m over 2,000 encounters are 5.05 m a collision.
     scores = [score(3, 10.0), score(2, 20.0), score(1, 16.0), score(0, 21.0), score(0, 21.5), score(0, 1.0, faults=1)]
-    choice = Choice()
-    assert [choice.takes(one) for one in scores] == [True, False, True, True, False, False]
-    broken = Choice()
+    tracker = BestTracker()
+    assert [tracker.takes(one) for one in scores] == [True, False, True, True, False, False]
+    broken = BestTracker()
     assert [broken.takes(one) for one in scores[::-1]] == [True, True, True, False, False, False]
 
 

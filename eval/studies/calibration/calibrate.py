@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from rss_gym.calibration.fit import Fit, fit
 from rss_gym.calibration.logs import LogRecord
-from rss_gym.eval.studies.calibration.compare import Score, compare
+from rss_gym.eval.studies.calibration.compare import EstimatorScore, compare
 from rss_gym.eval.studies.calibration.methods import Method, available
 from rss_gym.eval.studies.calibration.tune import tune
 from rss_gym.params import ParamsError
@@ -40,7 +40,7 @@ class Calibration:
     own_logs: bool
     methods: dict[str, Method]
     tunings: dict[str, Tuning]
-    scores: dict[str, Score]
+    scores: dict[str, EstimatorScore]
     notes: tuple[str, ...]
 
 

@@ -30,7 +30,7 @@ class Figure:
 
 
 @dataclass(frozen=True, eq=False)
-class Score:
+class EstimatorScore:
     """What one method reached: ranges record by record, and figures of the absolute error over all samples."""
 
     ranges_m: tuple[Floats, ...]
@@ -44,7 +44,7 @@ FIGURES = {"p50_m": "median", "p80_m": "80 %", "rmse_m": "RMSE"}
 
 def compare(
     fit: Fit, records: Sequence[LogRecord], methods: Mapping[str, Method], tunings: Mapping[str, Tuning]
-) -> dict[str, Score]:
+) -> dict[str, EstimatorScore]:
     """Every method on the same records.
 
     The path loss of a link is the one fitted for it, or the channel's if the link is new. Intervals are percentiles of
@@ -56,7 +56,7 @@ def compare(
     for name, method in methods.items():
         found = tuple(ranges(method, record, fit, tunings[name]) for record in records)
         errors = [np.abs(range_m - record.distance_m) for range_m, record in zip(found, records, strict=True)]
-        scores[name] = Score(found, *_figures(errors, counts))
+        scores[name] = EstimatorScore(found, *_figures(errors, counts))
     return scores
 
 

@@ -104,14 +104,14 @@ def sampled(params: Params) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarr
     while not ended.all():
         new = random.random(EPISODES) < 0.1
         actions[new, :2] = random.uniform(-0.3, 0.3, (int(new.sum()), 2))
-        batch.step(actions, ended)
+        batch.step(actions, ~ended)
         ended |= batch.episode["terminated"] | batch.episode["truncated"]
         other, e = batch.seen.others[:, 0], batch.episode
         fresh = ~ended & other["valid"] & (other["age_s"] < params.clock.decision_s)
         heard += fresh
         take = fresh & (random.random(EPISODES) * heard < 1.0)
         rows[take], left_s[take] = batch.observations[take], (e["approach_s"] - params.clock.tick_s * e["tick"])[take]
-        planned, along = batch.world.aircraft["planned_mps"][take, 1], batch.seen.own["along"][take]
+        planned, along = batch.state.aircraft["planned_mps"][take, 1], batch.seen.own["along"][take]
         velocity[take, 0] = planned[:, 0] * along[:, 0] + planned[:, 1] * along[:, 1]
         velocity[take, 1] = planned[:, 0] * along[:, 1] - planned[:, 1] * along[:, 0]
     kept = heard > 0

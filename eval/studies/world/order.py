@@ -44,12 +44,12 @@ def section(scale: Scale) -> Section:
 
 def _means(name: str) -> tuple[float, float]:
     policy = baselines.make(name, Params())
-    world = policy.world
-    batch: Batch = start(world, Block("suite", SEED, range(EPISODES)))
+    params = policy.params
+    batch: Batch = start(params, Block("suite", SEED, range(EPISODES)))
     total, done, state, first = np.zeros(EPISODES), np.zeros(EPISODES, bool), None, True
     while not done.all():
         actions, state = command(policy, name, batch.observations, state, np.full(EPISODES, first))
-        batch.step(checked(actions, name, world, EPISODES)[0], done)
+        batch.step(checked(actions, name, params, EPISODES)[0], ~done)
         total += np.where(done, 0.0, batch.rewards)
         done, first = batch.episode["terminated"] | batch.episode["truncated"], False
     return float(total.mean()), float(batch.episode["cost_m"].mean())

@@ -49,11 +49,11 @@ def interval(estimate: Estimate, form: str) -> str:
     return f"{estimate.value:{form}} [{estimate.low:{form}}, {estimate.high:{form}}]"
 
 
-def row(name: str, world: str, scores: Scores) -> list[str]:
+def row(name: str, params: str, scores: Scores) -> list[str]:
     """Cells of `HEADER`."""
     return [
         name,
-        world,
+        params,
         interval(scores["cost_m"], ".2f"),
         interval(scores["collision_rate"], ".2e"),
         interval(scores["snmac_rate"], ".2e"),

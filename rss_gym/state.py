@@ -1,6 +1,6 @@
 """The world's state as NumPy record arrays, one row per environment, and the parameters as one record for the kernels.
 
-Every array of `World` has the batch as its first axis. Columns: aircraft 0 is the agent, 1..K the intruders in ID
+Every array of `State` has the batch as its first axis. Columns: aircraft 0 is the agent, 1..K the intruders in ID
 order (lowest ID first); link k < K ranges agent and intruder k, link K + 4 a + j ranges aircraft a and reference node
 j; contact k is what the agent has heard of intruder k.
 """
@@ -31,7 +31,7 @@ EPISODE = np.dtype(
         ("number", u8),
         ("split", i8),
         ("key", u8),
-        ("channel", i8),  # index into World.channels
+        ("channel", i8),  # index into State.channels
         ("family", i8),
         ("intruders", i8),  # present; the other rows are absent
         ("tick", i8),
@@ -79,7 +79,7 @@ AIRCRAFT = np.dtype(
         ("path_m", f8, (MAX_WAY_POINTS, 3)),
         ("path_s", f8, MAX_WAY_POINTS),
         ("path_points", i8),
-        ("law", i8),  # index into World.families
+        ("family", i8),  # index into State.families
         ("leg", i8),
         ("held_s", f8),  # time spent in a hover
         ("hover_until_s", f8),
@@ -118,7 +118,7 @@ CONTACT = np.dtype(
         ("radius_m", f8),  # S_ij in force
         ("warning", b1),
         ("clear_s", f8),  # time since the range was last below the closing threshold
-        ("streak", i8),  # consecutive ticks with (29)
+        ("consecutive_warnings", i8),  # consecutive ticks with (29)
         ("hovered", b1),
         ("silent_s", f8),  # the link is silent from here
         ("silent_until_s", f8),
@@ -279,7 +279,7 @@ CONFIG = np.dtype(
 )
 
 
-class World(NamedTuple):
+class State(NamedTuple):
     """State of a batch of n environments with K intruder rows."""
 
     config: Any  # (1,) CONFIG
@@ -305,14 +305,14 @@ class World(NamedTuple):
     contact_lanes: Any  # (K,) CONTACT_LANES
 
 
-def allocate(params: Params, families: np.ndarray, n: int) -> World:
+def allocate(params: Params, families: np.ndarray, n: int) -> State:
     """A world of `n` rows that are all still to be reset."""
     k = params.encounter.intruders
     links, used = k + NODES * (1 + k), used_links(params)
     tick, decision = normal_streams(params, used)
     record = config(params)
     record["lossy"] |= np.any(families["outage_max_s"] > 0.0)
-    return World(
+    return State(
         config=record,
         channels=channels(params),
         families=families,

@@ -12,7 +12,7 @@ from rss_gym.params import Params
 from rss_gym.sb3 import EncounterVecEnv
 
 
-class Course(VecEnvWrapper):
+class TrainingVecEnv(VecEnvWrapper):
     """Rows of encounters whose episodes are numbered on through the training, whatever world they are flown in.
 
     Parameters
