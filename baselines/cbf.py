@@ -57,7 +57,7 @@ class Cbf(VelocityRule):
         Time in which the autopilot takes up a commanded velocity.
     base : object, optional
         The policy that is filtered, with `predict` on the same observations; any kind of action.
-    base_world : Params, optional
+    base_params : Params, optional
         The world of its actions, if it has no `params` of its own.
 
     Raises
@@ -80,7 +80,7 @@ class Cbf(VelocityRule):
             raise ParamsError(f"base = {type(self.base).__name__} must have a method `predict`, as SB3's policies have")
         if not isinstance(self.base_params or getattr(self.base, "params", None), Params):
             raise ParamsError(
-                f"base = {type(self.base).__name__} says nothing of its actions: give base_world, the Params it acts in"
+                f"base = {type(self.base).__name__} says nothing of its actions: give base_params, the Params it acts in"
             )
 
     def predict(

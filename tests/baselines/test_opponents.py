@@ -283,7 +283,7 @@ def test_the_filter_takes_any_object():
     assert state[1] == 2 and isinstance(policy.base, Idle) and not isinstance(policy.base, Nothing)
 
 
-@pytest.mark.parametrize(("base", "words"), [(object(), "predict"), (Idle(), "base_world")])
+@pytest.mark.parametrize(("base", "words"), [(object(), "predict"), (Idle(), "base_params")])
 def test_a_base_that_cannot_be_filtered_is_refused(base, words):
     with pytest.raises(ParamsError, match=words):
         Cbf(base=base)

@@ -118,7 +118,7 @@ def test_options_of_a_model_are_not_for_a_run(capsys, finished, tmp_path):
 
 def test_a_folder_is_a_policy(folder):
     policy = baselines.make(str(folder), Params())
-    assert policy.digest == load(folder).digest and policy.world == Params()
+    assert policy.digest == load(folder).digest and policy.params == Params()
     for name in ("model.zip", "model.pkl", "a:b.pt"):
         with pytest.raises(ParamsError, match="rss-gym export"):
             baselines.make(name)
