@@ -80,7 +80,7 @@ class Cbf(VelocityRule):
             raise ParamsError(f"base = {type(self.base).__name__} must have a method `predict`, as SB3's policies have")
         if not isinstance(self.base_params or getattr(self.base, "params", None), Params):
             raise ParamsError(
-                f"base = {type(self.base).__name__} says nothing of its actions: give base_params, the Params it acts in"
+                f"base = {type(self.base).__name__} says nothing of its actions: give base_params, those it acts in"
             )
 
     def predict(

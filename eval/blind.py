@@ -182,7 +182,9 @@ def cheapest(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int
 
 def _flown(manoeuvre: Manoeuvre, params: Params, split: str, episodes: int, seed: int) -> Swept:
     blocks = [Block(split, seed, range(first, min(first + BLOCK, episodes))) for first in range(0, episodes, BLOCK)]
-    table = np.concatenate([fly_episodes(Blind(manoeuvre, params), manoeuvre.name, params, block)[0] for block in blocks])
+    table = np.concatenate(
+        [fly_episodes(Blind(manoeuvre, params), manoeuvre.name, params, block)[0] for block in blocks]
+    )
     rate = clopper_pearson(int(np.count_nonzero(table["collision"])), episodes)
     costs = Costs.of(table, Prices.of(params))
     return Swept(manoeuvre.name, costs.interval(), rate, float(np.mean(table["deviation_mean_m"])))

@@ -61,7 +61,7 @@ def picture() -> bytes:
     env = gym.make("rss_gym/Encounter-v0", render_mode="rgb_array")
     observation, _ = env.reset(seed=SHOWN_SEED)
     state = None
-    for _ in range(int(SHOWN_S / policy.world.clock.decision_s)):
+    for _ in range(int(SHOWN_S / policy.params.clock.decision_s)):
         action, state = policy.predict(observation, state)
         observation, _, terminated, truncated, _ = env.step(action)
         if terminated or truncated:
