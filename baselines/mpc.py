@@ -108,14 +108,14 @@ class Mpc(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the cheapest candidate."""
-        params, craft, others = self.params, self.params.aircraft, intruders(seen)
+        params, limits, others = self.params, self.params.aircraft, intruders(seen)
         out = np.zeros((len(memory), 3))
         limits = (
-            craft.speed_max_mps,
-            craft.vertical_speed_max_mps,
-            craft.acceleration_max_mps2,
-            craft.position_gain_ps2,
-            craft.velocity_gain_ps,
+            limits.speed_max_mps,
+            limits.vertical_speed_max_mps,
+            limits.acceleration_max_mps2,
+            limits.position_gain_ps2,
+            limits.velocity_gain_ps,
         )
         _steer(
             candidates(self.farthest_m, 0.0 if params.encounter.planar else params.encounter.altitude_band_m),

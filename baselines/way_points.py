@@ -51,9 +51,9 @@ def commanded(velocity_mps: np.ndarray, seen: Mapping[str, np.ndarray], params: 
     (n, 3) array
         In [-1, 1].
     """
-    craft, velocity = params.aircraft, limited(velocity_mps, params)
+    aircraft, velocity = params.aircraft, limited(velocity_mps, params)
     velocity[:, 0] -= seen["cruise_mps"]
-    actions = velocity / [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
+    actions = velocity / [aircraft.speed_max_mps, aircraft.speed_max_mps, aircraft.vertical_speed_max_mps]
     return np.maximum(actions, -1.0)
 
 

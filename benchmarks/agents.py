@@ -21,7 +21,7 @@ from rss_gym.eval import evaluate
 from rss_gym.params import Params
 
 SIZES = (10_000, 50_000)
-MILLION, BAR_S = 1_000_000, 12 * 60
+MILLION, TARGET_S = 1_000_000, 12 * 60
 
 
 def network(folder: Path, layers: list[int]) -> str:
@@ -75,7 +75,7 @@ def main() -> None:
         )
         print(f"{MILLION:>10} {wall_s:8.0f} {cpu_s:8.0f}  (on the line through these two, not flown)")
         print(f"CPU over {options.workers} workers: {cpu_s / options.workers / 60:.1f} min if nothing else runs")
-    print(f"bar: {MILLION:,} encounters under {BAR_S / 60:.0f} min on two cores")
+    print(f"target: {MILLION:,} encounters under {TARGET_S / 60:.0f} min on two cores")
 
 
 if __name__ == "__main__":

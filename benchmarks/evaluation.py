@@ -58,8 +58,10 @@ def main() -> None:
             f"{episodes:>10} {found['wall_s']:8.1f} {found['wall_s'] / episodes * 1e6:11.0f} "
             f"{found['process_mib']:12.0f} {found['worker_mib']:11.0f}"
         )
-    print(f"bar: 100,000 episodes of `orthogonal` under 60 s and 1 GiB a process; {options.workers} workers used")
-    print(f"metrics and intervals of {POLICIES} policies at 10,000 episodes: {metrics_of_nine():.2f} CPU s (bar: 5 s)")
+    print(f"target: 100,000 episodes of `orthogonal` under 60 s and 1 GiB a process; {options.workers} workers used")
+    print(
+        f"metrics and intervals of {POLICIES} policies at 10,000 episodes: {metrics_of_nine():.2f} CPU s (target: 5 s)"
+    )
 
 
 if __name__ == "__main__":

@@ -82,8 +82,8 @@ def rvo2() -> list[float]:
 def main() -> None:
     """Print the table and the ratios."""
     batches, params = observations(), Params()
-    told = np.mean([intruders(observation.split(batch, params)).known for batch in batches])
-    print(f"{ROWS} rows x {DECISIONS} observations, an intruder known in {told:.0%} of them")
+    known = np.mean([intruders(observation.split(batch, params)).known for batch in batches])
+    print(f"{ROWS} rows x {DECISIONS} observations, an intruder known in {known:.0%} of them")
     print(f"{'decisions per CPU second, one core':<40} {'best':>12} {'median':>12}")
     best = {name: rule(name, batches) for name in AIMS}
     library = rvo2() if importlib.util.find_spec("pyrvo") else None

@@ -69,13 +69,13 @@ def line(name: str, rates: list[float], unit: str = "") -> float:
     return best
 
 
-def verdict(name: str, value: float, bar: float) -> None:
-    """Say plainly whether a bar is met."""
-    print(f"{name}: {value:,.0f} against {bar:,.0f}: {'met' if value >= bar else 'MISSED'}")
+def verdict(name: str, value: float, target: float) -> None:
+    """Say plainly whether a target is met."""
+    print(f"{name}: {value:,.0f} against {target:,.0f}: {'met' if value >= target else 'MISSED'}")
 
 
 def main() -> None:
-    """Print the table, the ratios and the bars."""
+    """Print the table, the ratios and whether the targets are met."""
     np.random.seed(0)  # noqa: NPY002  highway-env draws from the global generator
     print(f"{'per CPU second, one core':<58} {'best':>12} {'median':>12}  of {ROUNDS} rounds")
     ours = line(f"rss_gym/Encounter-v0, make_vec, {ROWS} rows", vector_rate("rss_gym/Encounter-v0", 60))

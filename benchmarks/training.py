@@ -7,7 +7,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
-BAR = 15_000  # decisions a second of wall time, on two idle cores
+TARGET = 15_000  # decisions a second of wall time, on two idle cores
 
 
 def main() -> None:
@@ -20,7 +20,7 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         run.start(recipe.load(options.recipe, {"recipe.steps": options.steps}), Path(folder) / "run")
-    print(f"bar: {BAR:,} decisions a second of wall time on two idle cores")
+    print(f"target: {TARGET:,} decisions a second of wall time on two idle cores")
 
 
 if __name__ == "__main__":

@@ -139,7 +139,7 @@ def check(entries: list[Candidate]) -> None:
 
 
 def of(result: Result, differences: bool = False) -> dict[str, list[Place]]:
-    """The policies of a result in order by level of information: who is told more is no rival. See `rank`."""
+    """The policies of a result in order by level of information: who knows more is no rival. See `rank`."""
     prices = Prices.of(result.suite.params)
     places = {}
     for information in get_args(Information):

@@ -24,8 +24,8 @@ def fresh(name):
 
 def offset(batch):
     """Commanded way points minus predefined trajectories, in the axes of the legs (n, 3)."""
-    craft = batch.state.aircraft[:, 0]
-    r, along = craft["way_point_m"] - craft["planned_m"], craft["along"]
+    aircraft = batch.state.aircraft[:, 0]
+    r, along = aircraft["way_point_m"] - aircraft["planned_m"], aircraft["along"]
     return np.stack(
         [r[:, 0] * along[:, 0] + r[:, 1] * along[:, 1], r[:, 0] * along[:, 1] - r[:, 1] * along[:, 0], r[:, 2]], axis=1
     )
@@ -41,11 +41,11 @@ def test_zero_keeps_the_offset(name, first, decisions):
     batch, every_row = fresh(name), np.ones(N, bool)
     first = np.array(first) * [1.0, 1.0, 0.0 if WORLDS[name].encounter.planar else 1.0]
     batch.step(np.tile(first, (N, 1)), every_row)
-    craft = batch.state.aircraft[:, 0]
-    before = craft["way_point_m"] - craft["planned_m"]
+    aircraft = batch.state.aircraft[:, 0]
+    before = aircraft["way_point_m"] - aircraft["planned_m"]
     for _ in range(decisions):
         batch.step(np.zeros((N, 3)), every_row)
-        np.testing.assert_allclose(craft["way_point_m"] - craft["planned_m"], before, atol=1e-9)
+        np.testing.assert_allclose(aircraft["way_point_m"] - aircraft["planned_m"], before, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["plane", "space"])
@@ -53,15 +53,15 @@ def test_zero_keeps_the_offset(name, first, decisions):
 def test_the_way_point_moves_at_the_planned_velocity_plus_the_change(name, action):
     """Its vertical part held within the vertical limit, the whole shortened to the speed limit."""
     params, batch = WORLDS[name], fresh(name)
-    craft = params.aircraft
+    aircraft = params.aircraft
     action = np.array(action) * [1.0, 1.0, 0.0 if params.encounter.planar else 1.0]
     straight = batch.state.aircraft["path_points"][:, 0] == 2
     batch.step(np.tile(action, (N, 1)), np.ones(N, bool))
     cruise = np.linalg.norm(batch.state.aircraft["planned_mps"][:, 0], axis=1)
-    change = action * [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
+    change = action * [aircraft.speed_max_mps, aircraft.speed_max_mps, aircraft.vertical_speed_max_mps]
     planned = np.stack([cruise, np.zeros(N), np.zeros(N)], axis=1)
     v = planned + change
-    v *= np.minimum(1.0, craft.speed_max_mps / np.maximum(np.linalg.norm(v, axis=1), 1e-12))[:, None]
+    v *= np.minimum(1.0, aircraft.speed_max_mps / np.maximum(np.linalg.norm(v, axis=1), 1e-12))[:, None]
     np.testing.assert_allclose(offset(batch)[straight], 0.5 * (v - planned)[straight], atol=1e-9)
     assert straight.sum() > 5
 

@@ -131,9 +131,9 @@ def test_potential_is_of_the_true_predicted_miss():
     batch.reset(np.ones(16, bool))
     for _ in range(20):
         batch.step(np.zeros((16, 3)), np.ones(16, bool))
-    craft = batch.state.aircraft
-    r = craft["position_m"][:, 1:] - craft["position_m"][:, :1]
-    v = craft["velocity_mps"][:, 1:] - craft["velocity_mps"][:, :1]
+    aircraft = batch.state.aircraft
+    r = aircraft["position_m"][:, 1:] - aircraft["position_m"][:, :1]
+    v = aircraft["velocity_mps"][:, 1:] - aircraft["velocity_mps"][:, :1]
     t = np.clip(-(r * v).sum(-1) / (v * v).sum(-1), 0.0, 60.0)
     miss = np.linalg.norm(r + v * t[..., None], axis=-1).min(axis=1)
     wanted = -70.0 * np.maximum(0.0, 1.0 - miss / 30.0) ** 2

@@ -68,11 +68,11 @@ def test_a_lane_holds_every_field_of_its_row(keywords):
             if name in arrays.BLOCK.names:
                 assert lane_of(state.block[0], name, r) == state.channels[e["channel"]][name], name
         for a in range(3):
-            lane, craft = state.aircraft_lanes[a], state.aircraft[r, a]
+            lane, aircraft = state.aircraft_lanes[a], state.aircraft[r, a]
             for name in set(arrays.AIRCRAFT.names) & set(arrays.AIRCRAFT_LANES.names) - {"leg_m"}:
-                np.testing.assert_array_equal(lane_of(lane, name, r), craft[name], err_msg=name)
-            np.testing.assert_array_equal(lane_of(lane, "leg_m", r), craft["path_m"][craft["leg"]])
-            assert lane_of(lane, "leg_s", r) == craft["path_s"][craft["leg"]]
+                np.testing.assert_array_equal(lane_of(lane, name, r), aircraft[name], err_msg=name)
+            np.testing.assert_array_equal(lane_of(lane, "leg_m", r), aircraft["path_m"][aircraft["leg"]])
+            assert lane_of(lane, "leg_s", r) == aircraft["path_s"][aircraft["leg"]]
         for k in range(2):
             lane, contact = state.contact_lanes[k], state.contacts[r, k]
             for name in ("position_m", "velocity_mps", "std_m"):

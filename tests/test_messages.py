@@ -29,8 +29,8 @@ def flight(batch, ticks=500):
 
 def own_statement(batch):
     """What intruder 0 of each row knows of itself now: position, velocity, accuracy."""
-    craft = batch.state.aircraft[:, 1]
-    return craft["solution_m"].copy(), craft["solution_mps"].copy(), craft["solution_std_m"].copy()
+    intruder = batch.state.aircraft[:, 1]
+    return intruder["solution_m"].copy(), intruder["solution_mps"].copy(), intruder["solution_std_m"].copy()
 
 
 @pytest.mark.parametrize("latency_s", [0.0, 0.1, 0.7, 3.0])
@@ -120,14 +120,14 @@ def test_loss_is_the_same_for_every_policy():
 def test_the_way_point_of_a_straight_intruder(announce_s, localisation):
     """Its position, and `announce_s` times the planned velocity plus the sender's own error of velocity."""
     batch = fresh(families="crossing", intruder=localisation, announce_s=announce_s, planar=False)
-    contact, craft, count = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
+    contact, intruder, count = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
     for flying in flight(batch, 200):
         new = flying & contact["valid"] & (contact["age_s"] == 0.0)
         ahead = contact["way_point_m"] - contact["position_m"]
-        wanted = announce_s * (craft["planned_mps"] + craft["velocity_error_mps"])
+        wanted = announce_s * (intruder["planned_mps"] + intruder["velocity_error_mps"])
         np.testing.assert_allclose(ahead[new], wanted[new], atol=1e-9)
-        told = contact["velocity_mps"] - craft["velocity_mps"] - craft["gust_mps"]
-        np.testing.assert_allclose(told[new], craft["velocity_error_mps"][new], atol=1e-12)
+        stated = contact["velocity_mps"] - intruder["velocity_mps"] - intruder["gust_mps"]
+        np.testing.assert_allclose(stated[new], intruder["velocity_error_mps"][new], atol=1e-12)
         count += int(new.sum())
     assert count > 1000
 
@@ -135,11 +135,11 @@ def test_the_way_point_of_a_straight_intruder(announce_s, localisation):
 def test_the_way_point_follows_the_plan_round_a_turn():
     """Where the path is `announce_s` later, minus where it is now, by NumPy's interpolation."""
     batch = fresh(families="late-turn", intruder="gnss", announce_s=6.0, velocity_mps=0.0)
-    contact, craft, bent = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
+    contact, intruder, bent = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
     for n, flying in enumerate(flight(batch, 700), start=1):
         for i in np.flatnonzero(flying & contact["valid"] & (contact["age_s"] == 0.0)):
-            points = craft["path_points"][i]
-            due, path = craft["path_s"][i, :points], craft["path_m"][i, :points]
+            points = intruder["path_points"][i]
+            due, path = intruder["path_s"][i, :points], intruder["path_m"][i, :points]
             if 0.1 * n + 6.0 > due[-1]:
                 continue
             now, later = (np.array([np.interp(t, due, path[:, a]) for a in range(3)]) for t in (0.1 * n, 0.1 * n + 6.0))
@@ -176,11 +176,11 @@ def test_paths_go_on_beyond_their_last_way_point():
     batch = fresh(
         families="crossing", intruder="gnss", velocity_mps=0.0, announce_s=60.0, tail_min_s=100.0, tail_max_s=100.0
     )
-    contact, craft, beyond = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
+    contact, intruder, beyond = batch.state.contacts[:, 0], batch.state.aircraft[:, 1], 0
     for n, flying in enumerate(flight(batch, 1500), start=1):
         new = flying & contact["valid"] & (contact["age_s"] == 0.0)
         ahead = contact["way_point_m"] - contact["position_m"]
-        np.testing.assert_allclose(ahead[new], 60.0 * craft["planned_mps"][new], atol=1e-8)
-        last_s = craft["path_s"][np.arange(N), craft["path_points"] - 1]
+        np.testing.assert_allclose(ahead[new], 60.0 * intruder["planned_mps"][new], atol=1e-8)
+        last_s = intruder["path_s"][np.arange(N), intruder["path_points"] - 1]
         beyond += int((new & (0.1 * n + 60.0 > last_s)).sum())
     assert beyond > 1000

@@ -175,9 +175,9 @@ def test_position_is_withheld_until_it_is_sent(information):
     silent = ~batch.seen.others["valid"][:, 0]
     assert silent.sum() > 10
     columns = [f.name for f in fields(batch.params)]
-    told = [i for i, name in enumerate(columns) if any(p in name for p in (".message_", *(f".{t}" for t in TRACKED)))]
-    assert len(told) > 15
-    assert (batch.observations[silent][:, told] == 0).all()
+    heard = [i for i, name in enumerate(columns) if any(p in name for p in (".message_", *(f".{t}" for t in TRACKED)))]
+    assert len(heard) > 15
+    assert (batch.observations[silent][:, heard] == 0).all()
     assert any("message_position" in name for name in columns) == (information == "positions")
     batch = flown(decisions=70, information=information, n=64)
     if information == "ranges":

@@ -265,9 +265,9 @@ def test_ticks_per_decision(ticks, tick_s):
 
 def test_derived_values():
     assert Clock().ticks_per_decision == 5
-    craft = Aircraft(regulator_position_weight=4.0, regulator_velocity_weight=3.0, regulator_effort_weight=0.25)
-    assert craft.position_gain_ps2 == math.sqrt(4.0 / 0.25)
-    assert craft.velocity_gain_ps == math.sqrt(2.0 * 4.0 + 3.0 / 0.25)
+    aircraft = Aircraft(regulator_position_weight=4.0, regulator_velocity_weight=3.0, regulator_effort_weight=0.25)
+    assert aircraft.position_gain_ps2 == math.sqrt(4.0 / 0.25)
+    assert aircraft.velocity_gain_ps == math.sqrt(2.0 * 4.0 + 3.0 / 0.25)
     zone = Zone(range_error_m=2.0, range_error_probability=0.9, speed_relative_max_mps=7.0, reaction_s=0.5)
     assert zone.trials == 5
     assert zone.radius_m == pytest.approx((2.0 / 0.9 + 7.0 * 0.5) * 5, rel=1e-15)

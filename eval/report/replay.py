@@ -47,8 +47,8 @@ class ReplayFlight:
                 self.intruders.append({name: [] for name in columns})
             into, other = self.intruders[k], batch.seen.others[0, k]
             into["position"] += scaled(aircraft[1 + k]["position_m"][:axes])
-            told = other["valid"] and params.interface.information != "ranges"
-            message = other["position_m"] + other["age_s"] * other["velocity_mps"] if told else np.full(3, np.nan)
+            is_stated = other["valid"] and params.interface.information != "ranges"
+            message = other["position_m"] + other["age_s"] * other["velocity_mps"] if is_stated else np.full(3, np.nan)
             into["message"] += scaled(message[:axes])
             into["range"] += scaled(other["range_m"])
             into["std"] += scaled(other["range_std_m"])

@@ -16,7 +16,7 @@ from rss_gym.render.style import BLUE, FRAME, GRID, MUTED, PAPER, Points, colour
 def draw_altitudes(canvas: Canvas, scene: Scene) -> None:
     """Altitude against time: flown (solid), true now (dot), estimate now (cross), commanded (diamond)."""
     width, height = canvas.size_px
-    heights = np.concatenate([finite(craft.predefined_m)[:, 2] for craft in (scene.own, *scene.intruders)])
+    heights = np.concatenate([finite(aircraft.predefined_m)[:, 2] for aircraft in (scene.own, *scene.intruders)])
     low, high = (heights.min() - 30.0, heights.max() + 30.0) if len(heights) else (-30.0, 30.0)
     margin, foot = 3.4 * canvas.text_px, 1.5 * canvas.text_px
     duration = max(scene.duration_s, scene.time_s, 1e-9)
@@ -38,19 +38,19 @@ def draw_altitudes(canvas: Canvas, scene: Scene) -> None:
     canvas.line(to_px(scene.time_s, [low, high]), FRAME, 1.4)
     canvas.text(to_px(0, high) + canvas.px(6, 3), "altitude [m]", MUTED, "lt", halo=PAPER, small=True)
 
-    for craft, colour in [(intruder, colour_of(intruder)) for intruder in scene.intruders] + [(scene.own, BLUE)]:
-        if craft is scene.own and np.isfinite(scene.planned_m[2]):
+    for aircraft, colour in [(intruder, colour_of(intruder)) for intruder in scene.intruders] + [(scene.own, BLUE)]:
+        if aircraft is scene.own and np.isfinite(scene.planned_m[2]):
             canvas.dashes(to_px([0, duration], scene.planned_m[2]), tint(BLUE, 0.6), 1.4)  # its legs are level
-        flown = finite(craft.flown_m)[:, 2]
-        now = to_px(scene.time_s, craft.position_m[2])
+        flown = finite(aircraft.flown_m)[:, 2]
+        now = to_px(scene.time_s, aircraft.position_m[2])
         curve = to_px(np.linspace(0.0, scene.time_s, len(flown)), flown)
         canvas.line(thinned(curve, now), tint(colour, 0.8), 2.0)
-        if craft.estimate_m is not None and np.isfinite(guess := to_px(scene.time_s, craft.estimate_m[2])).all():
+        if aircraft.estimate_m is not None and np.isfinite(guess := to_px(scene.time_s, aircraft.estimate_m[2])).all():
             aside = guess + canvas.px(14, 0)
             if np.isfinite(now).all():
                 canvas.line(np.array([now, aside]), colour, 1.0)
             cross(canvas, aside, colour)
-        if craft is scene.own and np.isfinite(way_point := to_px(scene.time_s, scene.way_point_m[2])).all():
+        if aircraft is scene.own and np.isfinite(way_point := to_px(scene.time_s, scene.way_point_m[2])).all():
             diamond(canvas, way_point + canvas.px(28, 0), BLUE)
         if np.isfinite(now).all():
             disc(canvas, now, 4.5, colour)

@@ -66,16 +66,16 @@ def draw_map(canvas: Canvas, view: View, scene: Scene, close_up: bool = False) -
     _draw_grid(canvas, view, cell)
     _draw_rings(canvas, own, scale, [(intruder, spot) for _, intruder, spot in seen])
 
-    for craft, colour in [(intruder, colour_of(intruder)) for _, intruder, _ in seen] + [(scene.own, BLUE)]:
-        canvas.dashes(view.to_px(finite(craft.predefined_m)), tint(colour, 0.6), 1.4)
-        flown = thinned(view.to_px(finite(craft.flown_m)), view.to_px(craft.position_m))
+    for aircraft, colour in [(intruder, colour_of(intruder)) for _, intruder, _ in seen] + [(scene.own, BLUE)]:
+        canvas.dashes(view.to_px(finite(aircraft.predefined_m)), tint(colour, 0.6), 1.4)
+        flown = thinned(view.to_px(finite(aircraft.flown_m)), view.to_px(aircraft.position_m))
         canvas.line(flown, tint(colour, 0.8), 2.0)
 
     size = 7.5 if close_up else 10.0
     for number, intruder, spot in seen:
         if close_up and not canvas.holds(spot):
             continue  # the map shows it
-        _draw_craft(canvas, view, intruder, colour_of(intruder), size)
+        _draw_aircraft(canvas, view, intruder, colour_of(intruder), size)
         if scene.collision_radius_m * scale > canvas.px(1.2 * size, 0)[0]:  # otherwise the dart covers it
             canvas.circle(spot, scene.collision_radius_m * scale, INK, 1.2)
         if len(scene.intruders) > 1:
@@ -86,7 +86,7 @@ def draw_map(canvas: Canvas, view: View, scene: Scene, close_up: bool = False) -
             if sign is hoop:
                 canvas.line(np.array([own, place]), BLUE, 1.0)
             sign(canvas, place, BLUE)
-    _draw_craft(canvas, view, scene.own, BLUE, size)
+    _draw_aircraft(canvas, view, scene.own, BLUE, size)
     if scene.outcome == "collision":
         burst(canvas, own, RED)
     _draw_scale(canvas, view, cell, north=not close_up)
@@ -141,20 +141,20 @@ def _draw_scale(canvas: Canvas, view: View, cell: float, north: bool) -> None:
         canvas.text(tip + canvas.px(0, 26), "N", MUTED, "mm", halo=PAPER)
 
 
-def _draw_craft(canvas: Canvas, view: View, craft: Aircraft, colour: Colour, size: float) -> None:
+def _draw_aircraft(canvas: Canvas, view: View, aircraft: Aircraft, colour: Colour, size: float) -> None:
     """Dart at the true position, cross at the estimate, a thin line between; a hollow dart at the edge when outside.
 
     A disc stands for an aircraft that hovers.
     """
-    spot = view.to_px(craft.position_m)
+    spot = view.to_px(aircraft.position_m)
     if not np.isfinite(spot).all():
         return
-    if craft.estimate_m is not None and np.isfinite(guess := view.to_px(craft.estimate_m)).all():
+    if aircraft.estimate_m is not None and np.isfinite(guess := view.to_px(aircraft.estimate_m)).all():
         if math.dist(spot, guess) > canvas.px(size + 5, 0)[0]:  # otherwise they cover each other
             canvas.line(np.array([spot, guess]), colour, 1.0)
             cross(canvas, guess, colour)
     shown = canvas.inside(spot)
-    velocity = np.asarray(craft.velocity_mps, dtype=np.float64)[:2] * (1, -1)
+    velocity = np.asarray(aircraft.velocity_mps, dtype=np.float64)[:2] * (1, -1)
     outside = bool(np.abs(shown - spot).max() > 0)
     if math.hypot(*velocity) > HOVER_MPS:
         dart(canvas, shown, velocity, colour, hollow=outside, size=size)

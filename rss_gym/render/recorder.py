@@ -63,13 +63,13 @@ class Recorder:
         flown, own = np.array(self._flown), batch.seen.own[row]
 
         def seen(a: int, estimate_m: NDArray[np.float64] | None) -> dict[str, Any]:
-            craft = batch.state.aircraft[row, a]
+            aircraft = batch.state.aircraft[row, a]
             return {
-                "position_m": craft["position_m"].copy(),
+                "position_m": aircraft["position_m"].copy(),
                 "estimate_m": estimate_m,
                 "flown_m": flown[:, a],
-                "predefined_m": predefined_m(craft, duration_s),
-                "velocity_mps": craft["velocity_mps"] + craft["gust_mps"],
+                "predefined_m": predefined_m(aircraft, duration_s),
+                "velocity_mps": aircraft["velocity_mps"] + aircraft["gust_mps"],
             }
 
         intruders = []
@@ -101,13 +101,13 @@ class Recorder:
         )
 
 
-def predefined_m(craft: Any, duration_s: float) -> NDArray[np.float64]:
+def predefined_m(aircraft: Any, duration_s: float) -> NDArray[np.float64]:
     """Way points (p, 3) of the predefined trajectory of an `AIRCRAFT` record from the start to `duration_s` [m].
 
     The trajectory is cut there, or its last leg drawn out to there.
     """
-    count = int(craft["path_points"])
-    points_m, times_s = craft["path_m"][:count], craft["path_s"][:count]
+    count = int(aircraft["path_points"])
+    points_m, times_s = aircraft["path_m"][:count], aircraft["path_s"][:count]
     last = min(max(int(np.searchsorted(times_s, duration_s)), 1), count - 1)
     share = (duration_s - times_s[last - 1]) / (times_s[last] - times_s[last - 1])
     end_m = points_m[last - 1] + share * (points_m[last] - points_m[last - 1])

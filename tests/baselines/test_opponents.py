@@ -57,7 +57,7 @@ def test_a_mirrored_encounter_gets_the_mirrored_action(name, information, family
     assert acted or (information, family) == ("oracle", "equal-velocities")  # 30 m apart is clear
 
 
-def told(params, **values):
+def observed(params, **values):
     """An observation of these SI values, zero for the rest; `_` of intruders is written for `.`."""
     table = observation.fields(params)
     names = [field.name for field in table]
@@ -80,7 +80,7 @@ def intruder(k, along_m, right_m, along_mps, right_mps=0.0, own_mps=3.0):
 
 def crossing(params, right_m, along_m=60.0):
     """An observation of an intruder on the opposite course, `right_m` to the right, known without error."""
-    return told(params, velocity_along_mps=3.0, cruise_mps=3.0, **intruder(0, along_m, right_m, -3.0))
+    return observed(params, velocity_along_mps=3.0, cruise_mps=3.0, **intruder(0, along_m, right_m, -3.0))
 
 
 @pytest.mark.parametrize("right_m", [-9.0, -4.0, 4.0, 9.0])
@@ -106,7 +106,7 @@ def test_nobody_is_obeyed_without_a_warning_or_a_track(name):
     policy = baselines.make(name)
     for missing in ("warning", "track_valid"):
         fields = intruder(0, 30.0, 4.0, -3.0) | {f"intruder_0__{missing}": 0.0}
-        action, _ = policy.predict(told(policy.params, velocity_along_mps=3.0, cruise_mps=3.0, **fields))
+        action, _ = policy.predict(observed(policy.params, velocity_along_mps=3.0, cruise_mps=3.0, **fields))
         np.testing.assert_allclose(action, 0.0, atol=1e-6)
 
 
@@ -122,7 +122,7 @@ def test_on_true_states_no_rule_collides_in_the_corners(name, family):
 # The orthogonal rule
 
 
-def commanded_displacement(policy, told_, state=None, steps=60):
+def commanded_displacement(policy, observed_, state=None, steps=60):
     """Where the rule leads the way point if what it sees stays: the displacement at rest, along and right."""
     names = [field.name for field in observation.fields(policy.params)]
     table = observation.transforms(observation.fields(policy.params))
@@ -131,7 +131,7 @@ def commanded_displacement(policy, told_, state=None, steps=60):
         (names.index(f"intruder_{k}.track_position_along_m"), names.index(f"intruder_{k}.track_position_right_m"))
         for k in range(policy.params.encounter.intruders)
     ]
-    raw, values = observation.restored(told_, observation.fields(policy.params)), told_.copy()
+    raw, values = observation.restored(observed_, observation.fields(policy.params)), observed_.copy()
     start = raw.copy()
     for _ in range(steps):
         action, state = policy.predict(values, state)
@@ -148,7 +148,7 @@ def test_the_side_is_that_of_the_aircraft_and_not_of_its_plan(own_right_m):
     """The aircraft is displaced across the line of the intruder's flight: it stays on that side."""
     policy = baselines.make("orthogonal:radius_m=40,lookahead_s=0")
     plan_right_m = -own_right_m / 2.0  # to the right of the intruder's line, where the aircraft is `own_right_m`
-    seen = told(
+    seen = observed(
         policy.params, velocity_along_mps=3.0, cruise_mps=3.0, way_point_right_m=own_right_m - plan_right_m,
         **intruder(0, 30.0, -own_right_m, -3.0),
     )  # fmt: skip
@@ -159,17 +159,17 @@ def test_the_side_is_that_of_the_aircraft_and_not_of_its_plan(own_right_m):
 def test_the_side_is_kept_while_warned_and_forgotten_after():
     policy = baselines.make("orthogonal:radius_m=40,lookahead_s=0")
     own = {"velocity_along_mps": 3.0, "cruise_mps": 3.0}
-    left = told(policy.params, **own, **intruder(0, 30.0, 3.0, -3.0))
+    left = observed(policy.params, **own, **intruder(0, 30.0, 3.0, -3.0))
     action, state = policy.predict(left)
     assert action[1] < 0.0
-    right = told(policy.params, **own, **intruder(0, 28.0, -3.0, -3.0))  # the track has moved across
+    right = observed(policy.params, **own, **intruder(0, 28.0, -3.0, -3.0))  # the track has moved across
     action, state = policy.predict(right, state)
     assert action[1] < 0.0
-    past = told(policy.params, **own, **intruder(0, -60.0, -3.0, -3.0))  # beyond the zone, still warned
+    past = observed(policy.params, **own, **intruder(0, -60.0, -3.0, -3.0))  # beyond the zone, still warned
     action, state = policy.predict(past, state)
     action, kept = policy.predict(right, state)
     assert action[1] < 0.0
-    silent = told(policy.params, **own, **(intruder(0, 28.0, -3.0, -3.0) | {"intruder_0__warning": 0.0}))
+    silent = observed(policy.params, **own, **(intruder(0, 28.0, -3.0, -3.0) | {"intruder_0__warning": 0.0}))
     _, state = policy.predict(silent, kept)
     action, _ = policy.predict(right, state)
     assert action[1] > 0.0
@@ -180,9 +180,9 @@ def test_no_displacement_is_clipped(radius_m):
     """From the far side the way to the edge is nearly twice the radius."""
     policy = baselines.make(f"orthogonal:radius_m={radius_m:g},lookahead_s=0")
     own = {"velocity_along_mps": 3.0, "cruise_mps": 3.0}
-    _, state = policy.predict(told(policy.params, **own, **intruder(0, 1.0, 1.0, -3.0)))
+    _, state = policy.predict(observed(policy.params, **own, **intruder(0, 1.0, 1.0, -3.0)))
     moved, _ = commanded_displacement(
-        policy, told(policy.params, **own, **intruder(0, 1.0, -0.9 * radius_m, -3.0)), state, 200
+        policy, observed(policy.params, **own, **intruder(0, 1.0, -0.9 * radius_m, -3.0)), state, 200
     )
     assert moved[1] == pytest.approx(-0.9 * radius_m - np.sqrt(radius_m**2 - 1.0), rel=1e-3)
 
@@ -204,7 +204,7 @@ def test_the_rule_obeys_all_of_three_intruders(places):
         fields = {}
         for k, at in enumerate(order):
             fields |= intruder(k, *places[at])
-        seen = told(policy.params, velocity_along_mps=3.0, cruise_mps=3.0, **fields)
+        seen = observed(policy.params, velocity_along_mps=3.0, cruise_mps=3.0, **fields)
         moved, _ = commanded_displacement(policy, seen, steps=120)
         for along_m, right_m, _ in places:
             assert np.hypot(along_m - moved[0], right_m - moved[1]) >= radius_m - 0.1

@@ -16,11 +16,15 @@ metre = st.floats(-4.0, 4.0)
 
 def integrated(action, cruise_mps, params):
     """Way the way point goes against the predefined trajectory in one decision, by the equations of the world."""
-    craft = params.aircraft
+    aircraft = params.aircraft
     velocity = np.array([cruise_mps, 0.0, 0.0])
-    velocity += np.clip(action, -1.0, 1.0) * [craft.speed_max_mps, craft.speed_max_mps, craft.vertical_speed_max_mps]
-    velocity[2] = np.clip(velocity[2], -craft.vertical_speed_max_mps, craft.vertical_speed_max_mps)
-    velocity *= min(1.0, craft.speed_max_mps / max(np.linalg.norm(velocity), 1e-12))
+    velocity += np.clip(action, -1.0, 1.0) * [
+        aircraft.speed_max_mps,
+        aircraft.speed_max_mps,
+        aircraft.vertical_speed_max_mps,
+    ]
+    velocity[2] = np.clip(velocity[2], -aircraft.vertical_speed_max_mps, aircraft.vertical_speed_max_mps)
+    velocity *= min(1.0, aircraft.speed_max_mps / max(np.linalg.norm(velocity), 1e-12))
     return (velocity - [cruise_mps, 0.0, 0.0]) * params.clock.decision_s
 
 
@@ -34,20 +38,20 @@ def own(way_point, cruise_mps):
 
 @given(st.tuples(metre, metre, metre), st.tuples(metre, metre, metre), st.floats(2.0, 4.0))
 def test_the_way_point_is_reached_when_the_limits_allow_it(start, target, cruise_mps):
-    craft, period_s = SPACE.aircraft, SPACE.clock.decision_s
+    aircraft, period_s = SPACE.aircraft, SPACE.clock.decision_s
     way = np.array(target) - start
     needed = way / period_s + [cruise_mps, 0.0, 0.0]
     reachable = (
-        np.linalg.norm(needed) <= craft.speed_max_mps
-        and abs(needed[2]) <= craft.vertical_speed_max_mps
-        and way[0] / period_s >= -craft.speed_max_mps
+        np.linalg.norm(needed) <= aircraft.speed_max_mps
+        and abs(needed[2]) <= aircraft.vertical_speed_max_mps
+        and way[0] / period_s >= -aircraft.speed_max_mps
     )
     action = towards(np.array([target]), own(start, cruise_mps), SPACE)[0]
     moved = integrated(action, cruise_mps, SPACE)
     if reachable:
         np.testing.assert_allclose(moved, way, atol=1e-9)
     else:
-        assert np.linalg.norm(moved / period_s + [cruise_mps, 0.0, 0.0]) <= craft.speed_max_mps * (1 + 1e-9)
+        assert np.linalg.norm(moved / period_s + [cruise_mps, 0.0, 0.0]) <= aircraft.speed_max_mps * (1 + 1e-9)
 
 
 @given(st.tuples(metre, metre, metre), st.floats(2.0, 4.0))

@@ -15,9 +15,9 @@ from rss_gym.lanes import FRESH_S
 from rss_gym.params import Params, ParamsError
 
 N = 1000
-WORLD = Params()
-RADIUS_M, TAIL_S = WORLD.zone.radius_m, WORLD.clock.tail_min_s
-CRUISE_MPS = WORLD.encounter.cruise_min_mps, WORLD.encounter.cruise_max_mps
+PARAMS = Params()
+RADIUS_M, TAIL_S = PARAMS.zone.radius_m, PARAMS.clock.tail_min_s
+CRUISE_MPS = PARAMS.encounter.cruise_min_mps, PARAMS.encounter.cruise_max_mps
 
 
 def fresh(n=N, **keywords):
@@ -36,10 +36,10 @@ def flight(batch):
         done |= batch.episode["terminated"] | batch.episode["truncated"]
 
 
-def legs(craft):
+def legs(aircraft):
     """Velocities (n, 2, 2) of the two legs of paths of three points, and when the second begins (n,)."""
-    assert np.all(craft["path_points"] == 3)
-    points, times = craft["path_m"][:, :3, :2], craft["path_s"][:, :3]
+    assert np.all(aircraft["path_points"] == 3)
+    points, times = aircraft["path_m"][:, :3, :2], aircraft["path_s"][:, :3]
     return np.diff(points, axis=1) / np.diff(times, axis=1)[..., None], times[:, 1]
 
 
@@ -118,13 +118,13 @@ def test_accelerating_changes_speed_inside_the_zone_and_within_the_limits():
 
 def test_accelerating_is_flown():
     """At the closest approach the intruder is where the new speed has brought it; the limit of speed holds."""
-    batch, low, high = fresh(200, families="accelerating", gust_mps=0.0), CRUISE_MPS[0], WORLD.aircraft.speed_max_mps
+    batch, low, high = fresh(200, families="accelerating", gust_mps=0.0), CRUISE_MPS[0], PARAMS.aircraft.speed_max_mps
     for flying in flight(batch):
-        craft = batch.state.aircraft[flying, 1]
-        speed = np.linalg.norm(craft["velocity_mps"], axis=1)
+        aircraft = batch.state.aircraft[flying, 1]
+        speed = np.linalg.norm(aircraft["velocity_mps"], axis=1)
         assert np.all((speed > low - 0.5) & (speed <= high * (1 + 1e-12)))
         late = batch.episode["tick"][flying] * 0.1 >= batch.episode["approach_s"][flying]
-        error_m = np.linalg.norm(craft["position_m"] - craft["planned_m"], axis=1)
+        error_m = np.linalg.norm(aircraft["position_m"] - aircraft["planned_m"], axis=1)
         assert np.all(error_m[late] < 1.0)
 
 
@@ -153,9 +153,9 @@ def test_merging_intruders_come_one_after_another_and_follow_one_course():
     for i in range(0, 200, 10):
         places = []
         for k in range(8):
-            craft, (velocities, there_s) = intruders[i, k], legs(intruders[i : i + 1, k])
+            aircraft, (velocities, there_s) = intruders[i, k], legs(intruders[i : i + 1, k])
             leg = np.where(times < there_s[0], 0, 1)
-            places.append(craft["path_m"][1, :2] + velocities[0][leg] * (times - there_s[0])[:, None])
+            places.append(aircraft["path_m"][1, :2] + velocities[0][leg] * (times - there_s[0])[:, None])
         own = agent["path_m"][i, 0, :2] + agent["planned_mps"][i, :2] * times[:, None]
         for k in range(8):
             end = times <= arrivals[k][i] + TAIL_S
@@ -166,7 +166,7 @@ def test_merging_intruders_come_one_after_another_and_follow_one_course():
     directions = np.array([legs(intruders[:, k])[0][:, 0] for k in range(1, 8)])
     spread = angle(directions, np.array(courses[0])[None])
     assert np.mean(abs(spread) > 0.5) > 0.5
-    assert APART_M > 2.0 * WORLD.zone.collision_m
+    assert APART_M > 2.0 * PARAMS.zone.collision_m
 
 
 @pytest.mark.parametrize("intruders", [2, 5, 8])
@@ -189,25 +189,25 @@ def test_deceitful_announces_a_turn_that_is_not_flown():
     lies = truths = 0
     for flying in flight(batch):
         rows = flying & batch.state.contacts["warning"][:, 0]
-        contact, craft = batch.state.contacts[rows, 0], batch.state.aircraft[rows, 1]
-        assert np.array_equal(contact["position_m"], craft["solution_m"])
-        ahead = WORLD.messages.announce_s * (craft["planned_mps"] + craft["velocity_error_mps"])
-        told_ahead = contact["way_point_m"] - contact["position_m"]
-        lie = np.where(craft["leg"] > 0, -announced[rows], 0.0)  # positive angles of `turned` are to the right
-        for told, true in ((contact["velocity_mps"], craft["solution_mps"]), (told_ahead, ahead)):
-            assert_turned(told, true, lie)
-        error_mps = np.linalg.norm(contact["velocity_mps"] - craft["solution_mps"], axis=1)
-        speed_mps = np.linalg.norm(craft["solution_mps"], axis=1)
+        contact, aircraft = batch.state.contacts[rows, 0], batch.state.aircraft[rows, 1]
+        assert np.array_equal(contact["position_m"], aircraft["solution_m"])
+        ahead = PARAMS.messages.announce_s * (aircraft["planned_mps"] + aircraft["velocity_error_mps"])
+        stated_ahead = contact["way_point_m"] - contact["position_m"]
+        lie = np.where(aircraft["leg"] > 0, -announced[rows], 0.0)  # positive angles of `turned` are to the right
+        for stated, true in ((contact["velocity_mps"], aircraft["solution_mps"]), (stated_ahead, ahead)):
+            assert_turned(stated, true, lie)
+        error_mps = np.linalg.norm(contact["velocity_mps"] - aircraft["solution_mps"], axis=1)
+        speed_mps = np.linalg.norm(aircraft["solution_mps"], axis=1)
         np.testing.assert_allclose(error_mps, 2.0 * speed_mps * np.sin(0.5 * abs(lie)), atol=1e-9)
         lies, truths = lies + np.sum(lie != 0.0), truths + np.sum(lie == 0.0)
     assert min(lies, truths) > 10 * N
 
 
-def assert_turned(told, true, by_rad):
+def assert_turned(stated, true, by_rad):
     """Vectors (n, 3) of one length, at these angles."""
-    difference = angle(true, told) - by_rad
+    difference = angle(true, stated) - by_rad
     np.testing.assert_allclose(np.sin(0.5 * difference), 0.0, atol=1e-6)
-    np.testing.assert_allclose(np.linalg.norm(told, axis=1), np.linalg.norm(true, axis=1), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(stated, axis=1), np.linalg.norm(true, axis=1), rtol=1e-9, atol=1e-9)
 
 
 def test_deceit_leaves_flight_and_radio_alone():
@@ -252,15 +252,15 @@ def jumps(information):
             batch.state.aircraft["position_m"][:, 0] - batch.state.aircraft["position_m"][:, 1], axis=1
         )
         jump = np.where(before >= link["jump_s"], link["jump"], 0.0)
-        told = batch.seen.others["path_loss_factor"][:, 0]
-        rows.append(np.column_stack([jump, distance, link["range_m"], told])[flying])
+        stated = batch.seen.others["path_loss_factor"][:, 0]
+        rows.append(np.column_stack([jump, distance, link["range_m"], stated])[flying])
     return np.concatenate(rows)
 
 
 def test_a_jump_biases_the_range_as_the_path_loss_predicts():
     """ln d' = (1 + jump / gamma) ln d."""
     jump, distance, range_m, _ = jumps("positions").T
-    gamma = WORLD.channels[0].path_loss_factor
+    gamma = PARAMS.channels[0].path_loss_factor
     plain = (distance > 10.0) & (distance ** (1.0 + jump / gamma) < 900.0)
     assert np.sum(plain & (jump != 0.0)) > 1000
     assert np.sum(plain & (jump == 0.0)) > 1000
@@ -269,10 +269,10 @@ def test_a_jump_biases_the_range_as_the_path_loss_predicts():
 
 
 def test_the_jump_is_known_to_the_oracle_alone():
-    gamma = WORLD.channels[0].path_loss_factor
+    gamma = PARAMS.channels[0].path_loss_factor
     assert np.all(jumps("positions")[:, 3] == gamma)
-    jump, _, _, told = jumps("oracle").T
-    seen = told - gamma
+    jump, _, _, stated = jumps("oracle").T
+    seen = stated - gamma
     same = np.isclose(seen, jump, atol=1e-12)
     assert np.mean(same) > 0.98  # but for the decision in which it happens
     assert np.all(same | ((jump == 0.0) & (abs(seen) >= 0.15 - 1e-12)))
@@ -290,7 +290,7 @@ def test_in_an_outage_there_is_no_message_and_the_range_is_only_predicted():
         silent_ticks += silent
         # Once the message held is old there is no psi either.
         plain = silent & was_silent & ~((contact["age_s"] <= FRESH_S + 0.1) & contact["valid"])
-        np.testing.assert_allclose(link["p_dd"][plain] - before["p_dd"][plain], WORLD.ranging.process_noise_m2)
+        np.testing.assert_allclose(link["p_dd"][plain] - before["p_dd"][plain], PARAMS.ranging.process_noise_m2)
         assert np.array_equal(link["range_m"][plain], before["range_m"][plain])
         grown += np.sum(plain)
         assert np.all(contact["age_s"][silent] > 0.0)

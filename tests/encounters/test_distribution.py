@@ -36,12 +36,12 @@ def fresh(n=N, **keywords):
     return batch
 
 
-def path_at(craft, times_s):
+def path_at(aircraft, times_s):
     """Position and velocity on the predefined trajectories of n aircraft at times (n, m); two (n, m, 3) arrays.
 
     Beyond its last way point a path goes straight on.
     """
-    path, due, points = craft["path_m"], craft["path_s"], craft["path_points"]
+    path, due, points = aircraft["path_m"], aircraft["path_s"], aircraft["path_points"]
     position = velocity = np.zeros((*times_s.shape, 3))
     for leg in range(points.max() - 1):
         flown = (leg < points - 1)[:, None] & ((times_s >= due[:, leg, None]) | (leg == 0))
@@ -162,8 +162,8 @@ def test_closest_approaches_are_those_of_the_law(name):
     share = (1.0 - family.conflict_share) * (high - max(low, limit)) / (high - low)
     assert abs(np.mean(others) - share) < SIGMAS * np.sqrt(max(share * (1.0 - share), 1e-12) / N) + 1e-9
     if name in STRAIGHT:  # redrawn turns prefer no offset over another
-        law = stats.uniform(max(low, limit), high - max(low, limit))
-        assert stats.kstest(size[others], law.cdf).pvalue > 1e-4
+        uniform_law = stats.uniform(max(low, limit), high - max(low, limit))
+        assert stats.kstest(size[others], uniform_law.cdf).pvalue > 1e-4
         if family.conflict_share > 0.0:
             assert stats.kstest(size[~others], stats.uniform(0.0, limit).cdf).pvalue > 1e-4
 
@@ -214,17 +214,17 @@ def test_turns_defeat_straight_extrapolation():
 @pytest.mark.parametrize("name", NAMES)
 def test_paths_are_polylines_at_constant_speed(name):
     for row in fresh(200, families=name, intruders=2).state.aircraft:
-        for a, craft in enumerate(row):
-            points = craft["path_points"]
+        for a, aircraft in enumerate(row):
+            points = aircraft["path_points"]
             assert 2 <= points <= MAX_WAY_POINTS
-            times, path = craft["path_s"][:points], craft["path_m"][:points]
+            times, path = aircraft["path_s"][:points], aircraft["path_m"][:points]
             assert times[0] == 0.0
             assert np.all(np.diff(times) > 0.0)
             speeds = np.linalg.norm(np.diff(path, axis=0), axis=1) / np.diff(times)
             if name != "accelerating":
                 np.testing.assert_allclose(speeds, speeds[0], rtol=1e-9)
             assert np.ptp(path[:, 2]) == 0.0
-            np.testing.assert_array_equal(craft["position_m"], path[0])
+            np.testing.assert_array_equal(aircraft["position_m"], path[0])
             if name != "mixed":
                 assert points == (3 if name in BENT and (a > 0 or name == "turning") else 2)
 
@@ -287,7 +287,7 @@ def test_the_own_turn_does_not_tell_when_the_closest_approach_is():
 def test_weights_are_shares():
     assert all(encounters.FAMILIES[name].weight == 0.0 for name in SCRIPTS)
     assert set(LAWS) - set(MIXED) == {*SEPARATING, "merging"}
-    table = encounters.records(Encounter())
+    table = encounters.table(Encounter())
     assert table["weight"][-1] == 1.0
     weights = np.array([f.weight for f in MIXED.values()])
     np.testing.assert_allclose(np.diff(table["weight"], prepend=0.0), weights / weights.sum())
@@ -317,7 +317,7 @@ def test_scripts_are_laid_as_written(name):
     script, batch = SCRIPTS[name], fresh(200, families=name)
     agent, intruder = batch.state.aircraft[:, 0], batch.state.aircraft[:, 1]
     times = np.linspace(0.0, script.end_s, 7)
-    (own, own_v), (other, _) = (path_at(craft, np.tile(times, (batch.n, 1))) for craft in (agent, intruder))
+    (own, own_v), (other, _) = (path_at(aircraft, np.tile(times, (batch.n, 1))) for aircraft in (agent, intruder))
     np.testing.assert_allclose(np.linalg.norm(own_v, axis=2), script.own_mps, rtol=1e-12)
     heading = own_v[:, 0] / script.own_mps
     right = np.stack([heading[:, 1], -heading[:, 0], 0.0 * heading[:, 0]], axis=1)

@@ -174,8 +174,8 @@ def test_imitation_fits_the_actor():
 
     recipe = road.load("highway", {"imitation.episodes": 6, "imitation.epochs": 300})
     model = sb3.PPO("MlpPolicy", recipe.environment(), policy_kwargs={"net_arch": [64]}, seed=0, device="cpu")
-    told = imitate(model, recipe, seed=0)
-    assert told.startswith("imitated rule in ") and float(told.split()[-2].rstrip("%")) > 80.0
+    message = imitate(model, recipe, seed=0)
+    assert message.startswith("imitated rule in ") and float(message.split()[-2].rstrip("%")) > 80.0
 
 
 def test_exported_network_is_sb3s():

@@ -46,23 +46,23 @@ def test_limit_leaves_short_vectors_bit_for_bit():
 @given(st.floats(1e-3, 1e3), st.floats(0.0, 1e3), st.floats(1e-3, 1e3))
 def test_gains_solve_the_riccati_equation(q, qv, r):
     """Double integrator, cost q e^2 + qv e'^2 + r a^2: K = R^-1 B^T P, P from SciPy."""
-    craft = Aircraft(regulator_position_weight=q, regulator_velocity_weight=qv, regulator_effort_weight=r)
+    aircraft = Aircraft(regulator_position_weight=q, regulator_velocity_weight=qv, regulator_effort_weight=r)
     a, b = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
     gains = (b.T @ solve_continuous_are(a, b, np.diag([q, qv]), np.array([[r]])) / r)[0]
-    assert (craft.position_gain_ps2, craft.velocity_gain_ps) == pytest.approx(gains, rel=1e-6)
+    assert (aircraft.position_gain_ps2, aircraft.velocity_gain_ps) == pytest.approx(gains, rel=1e-6)
 
 
 @given(st.floats(-200.0, 200.0), st.floats(-10.0, 10.0))
 def test_regulate_is_linear_feedback(e, e_dot):
-    craft = Aircraft()
-    k1, k2 = craft.position_gain_ps2, craft.velocity_gain_ps
+    aircraft = Aircraft()
+    k1, k2 = aircraft.position_gain_ps2, aircraft.velocity_gain_ps
     assert (k1, k2) == (1.0, math.sqrt(3.0))
     assert regulate(e, e_dot, k1, k2) == pytest.approx(k1 * e + k2 * e_dot, rel=1e-14, abs=1e-14)
 
 
 def test_the_closed_loop_is_stable_and_does_not_ring():
-    craft = Aircraft()
-    poles = np.roots([1.0, craft.velocity_gain_ps, craft.position_gain_ps2])
+    aircraft = Aircraft()
+    poles = np.roots([1.0, aircraft.velocity_gain_ps, aircraft.position_gain_ps2])
     assert all(poles.real < 0.0)
-    damping = craft.velocity_gain_ps / (2.0 * math.sqrt(craft.position_gain_ps2))
+    damping = aircraft.velocity_gain_ps / (2.0 * math.sqrt(aircraft.position_gain_ps2))
     assert 0.8 < damping < 1.2

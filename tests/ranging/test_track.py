@@ -239,11 +239,11 @@ def test_ranges_and_covariances_stay_possible(name, channel, tuning, samples):
     heard = channel.offset_dbm - 10.0 * channel.path_loss_factor * np.log10([d or 1.0 for _, d, _, _ in samples])
     rss = [level + noise if d else np.nan for level, (_, d, noise, _) in zip(heard, samples, strict=True)]
     out = track(name, time, rss, channel, tuning, [np.nan if v is None else v for *_, v in samples])
-    told = ~np.isnan(out.range_m)
-    assert told.all() or name.endswith("literal")
-    assert (out.range_m[told] >= tuning.range_floor_m * (1.0 - 1e-12)).all()
-    p_xx, p_xp, p_pp = out.covariance[told].T
-    assert np.isfinite(out.covariance[told]).all()
+    heard = ~np.isnan(out.range_m)
+    assert heard.all() or name.endswith("literal")
+    assert (out.range_m[heard] >= tuning.range_floor_m * (1.0 - 1e-12)).all()
+    p_xx, p_xp, p_pp = out.covariance[heard].T
+    assert np.isfinite(out.covariance[heard]).all()
     assert (p_xx > 0.0).all()
     assert (p_pp >= 0.0).all()
     assert (p_xp**2 <= p_xx * p_pp * (1.0 + 1e-9)).all()

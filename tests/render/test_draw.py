@@ -126,10 +126,10 @@ def test_the_view_holds_every_path_and_zone(size_px, planar):
     whole = scene(0.0, 3, planar)
     view = map_view(whole, size_px)
     assert view.px_per_m[0] == view.px_per_m[1]
-    for craft in (whole.own, *whole.intruders):
-        margin_m = 0.0 if craft is whole.own else whole.zone_radius_m
+    for aircraft in (whole.own, *whole.intruders):
+        margin_m = 0.0 if aircraft is whole.own else whole.zone_radius_m
         for side in (-margin_m, margin_m):
-            spots = view.to_px(craft.predefined_m + side)
+            spots = view.to_px(aircraft.predefined_m + side)
             assert (spots >= 0).all() and (spots <= view.size_px).all()
 
 

@@ -32,7 +32,9 @@ def test_paths_hold_a_sample_a_decision(row):
     batch, recorder, positions = fly(12, rows=3, row=row, intruders=2, planar=False)
     scene = recorder.scene(batch, row)
     assert np.array_equal(scene.own.flown_m, positions[:, 0])
-    assert [np.array_equal(craft.flown_m, positions[:, 1 + k]) for k, craft in enumerate(scene.intruders)] == [True] * 2
+    assert [np.array_equal(aircraft.flown_m, positions[:, 1 + k]) for k, aircraft in enumerate(scene.intruders)] == [
+        True
+    ] * 2
     assert np.array_equal(scene.own.position_m, positions[-1, 0])
     assert scene.time_s == pytest.approx(6.0)
     assert not scene.planar
@@ -85,8 +87,8 @@ def test_a_recorder_only_reads():
     batch, recorder, _ = fly(4)
     before = copy.deepcopy((batch.state, batch.seen))
     scene = recorder.scene(batch, 0)
-    for craft in (scene.own, *scene.intruders):
-        for array in (craft.position_m, craft.flown_m, craft.predefined_m, craft.velocity_mps):
+    for aircraft in (scene.own, *scene.intruders):
+        for array in (aircraft.position_m, aircraft.flown_m, aircraft.predefined_m, aircraft.velocity_mps):
             array += 1.0
     scene.way_point_m[:] = scene.planned_m[:] = 0.0
     for old, new in zip((*before[0], *before[1]), (*batch.state, *batch.seen), strict=True):
@@ -117,7 +119,7 @@ def test_outcome(events, outcome):
     ],
 )
 def test_predefined_paths_end_with_the_flight(duration_s, expected):
-    craft = np.zeros((), AIRCRAFT)
-    craft["path_points"] = 3
-    craft["path_m"][:3, :2], craft["path_s"][:3] = [(0, 0), (20, 0), (20, 10)], (0.0, 20.0, 30.0)
-    assert np.allclose(predefined_m(craft, duration_s)[:, :2], expected)
+    aircraft = np.zeros((), AIRCRAFT)
+    aircraft["path_points"] = 3
+    aircraft["path_m"][:3, :2], aircraft["path_s"][:3] = [(0, 0), (20, 0), (20, 10)], (0.0, 20.0, 30.0)
+    assert np.allclose(predefined_m(aircraft, duration_s)[:, :2], expected)

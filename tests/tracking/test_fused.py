@@ -50,7 +50,7 @@ def test_a_message_is_filterpys_update(x, entries, z, axis):
     kf.x, kf.P, kf.R, kf.H = np.array(x), p.copy(), np.array([[4.0]]), np.zeros((1, 6))
     kf.H[0, axis] = kf.H[0, 4 + axis] = 1.0
     kf.update(np.array([z]))
-    fused.hear(m, axis, z, 4.0)
+    fused.update_by_message(m, axis, z, 4.0)
     got_x, got_p = parts(m)
     np.testing.assert_allclose(got_x, kf.x, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(got_p, kf.P, rtol=1e-9, atol=1e-9)
@@ -77,7 +77,7 @@ def test_a_range_is_filterpys_extended_update(x, entries, range_m):
         lambda c: np.concatenate([c[:2] / np.hypot(c[0], c[1]), np.zeros(4)])[None],
         lambda c: np.array([np.hypot(c[0], c[1])]),
     )
-    fused.measure(m, range_m, 7.0, 3.0)
+    fused.update_by_range(m, range_m, 7.0, 3.0)
     got_x, got_p = parts(m)
     np.testing.assert_allclose(got_x, ekf.x, rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(got_p, ekf.P, rtol=1e-6, atol=1e-6)
@@ -149,9 +149,9 @@ def test_silence_widens_the_track_and_a_message_narrows_it():
     for n in range(40):
         silent = 10 <= n < 30
         age = 0.5 * (n - 9) if silent else 0.0
-        told = (78.0 - 3.0 * (9 if silent else n), 10.0, 0.0)
+        heard = (78.0 - 3.0 * (9 if silent else n), 10.0, 0.0)
         own, other = sensing.records(
-            own_position_m=(1.5 * n, 0.0, 0.0), position_m=told, age_s=age, range_m=300.0, range_std_m=250.0
+            own_position_m=(1.5 * n, 0.0, 0.0), position_m=heard, age_s=age, range_m=300.0, range_std_m=250.0
         )
         fused.advance(own, other, memory, track, constants)
         spread.append(track["xx"] + track["yy"])
