@@ -9,7 +9,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test explore lint bench table clean
+.PHONY: help setup demo test check explore lint bench table clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -21,6 +21,9 @@ demo: .venv/.base ## fly the rule of the paper beside others and learned agents,
 
 test: .venv/.done ## run all tests; skipped ones are listed with their reasons
 	$(BIN)/python -m pytest -ra -n $(JOBS) $(PYTEST_ARGS)
+
+check: lint ## before each commit, under two minutes on two idle cores: the linters, and the tests not marked slow
+	$(BIN)/python -m pytest -n $(JOBS) -m 'not slow' $(PYTEST_ARGS)
 
 explore: .venv/.done ## run the property tests with fresh examples (HYPOTHESIS_PROFILE=explore); `make test` always draws the same
 	HYPOTHESIS_PROFILE=explore $(BIN)/python -m pytest -ra -n $(JOBS) -m hypothesis $(PYTEST_ARGS)

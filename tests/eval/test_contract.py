@@ -99,8 +99,8 @@ def test_sensor_metrics_are_those_that_the_policy_cannot_change(metric, random_f
 
 def test_nine_policies_in_time(random_flights):
     flights = [random_flights(10_000, seed) for seed in range(9)]
-    start = time.perf_counter()
+    start = time.process_time()  # of this process, whatever else the machine does
     for one in flights:
         for metric in METRICS.values():
             metric(one)
-    assert time.perf_counter() - start < 5.0
+    assert time.process_time() - start < 5.0

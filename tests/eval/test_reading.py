@@ -36,9 +36,9 @@ def folder(sound, tmp_path):
 
 @pytest.fixture(autouse=True)
 def quick():
-    start = time.monotonic()
+    start = time.process_time()  # of this process, whatever else the machine does
     yield
-    assert time.monotonic() - start < 20.0
+    assert time.process_time() - start < 20.0
 
 
 def refused(folder, *words):
