@@ -1,9 +1,10 @@
 """Policies behind one protocol, SB3's `predict`.
 
-Scripted ones go by name; a new one is one file and one line in `POLICIES`. So do the learned ones that are shipped,
-`AGENTS`; others go by their folder, `make("runs/ppo/agent", params)`. A name is a rule and, if wanted, the level of
-information it flies on and options: `orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the control-barrier filter round
-the policy NAME. A policy flies in the world that it is made for, and in no world of another level.
+Scripted ones go by name; a new one is one file and one line in `POLICIES`, or `rss_gym.register_rule`. So do the
+learned ones that are shipped, `AGENTS`; others go by their folder, `make("runs/ppo/agent", params)`. A name is a rule
+and, if wanted, the level of information it flies on and options: `orca`, `orca@oracle:radius_m=30`; `cbf+NAME` is the
+control-barrier filter round the policy NAME. A policy flies in the world that it is made for, and in no world of
+another level.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.baselines.shipped import AGENTS
 from rss_gym.params import Information, Params, ParamsError, Tracking, suggestion
+from rss_gym.registry import Registry
 
 __all__ = [
     "AGENTS",
@@ -46,7 +48,7 @@ __all__ = [
 
 PICKLED = (".zip", ".pkl", ".pt", ".pth")  # files whose reading runs code from them
 
-POLICIES: dict[str, type[Scripted]] = {
+_SHIPPED: dict[str, type[Scripted]] = {
     "none": Nothing,
     "orthogonal": Orthogonal,
     "modified-orthogonal": ModifiedOrthogonal,
@@ -65,6 +67,22 @@ POLICIES: dict[str, type[Scripted]] = {
     "random": Random,
 }
 LEVELS = get_args(Information)
+
+
+def _check(name: str, rule: type[Scripted]) -> None:
+    if not isinstance(rule, type) or not issubclass(rule, Scripted) or not dataclasses.is_dataclass(rule):
+        raise ParamsError(
+            f"rule {name!r} must be a frozen dataclass derived from rss_gym.baselines.policy.Scripted, got {rule!r}"
+        )
+    if rule.act is Scripted.act:
+        raise ParamsError(f"rule {name!r}: {rule.__name__} must have a method act(seen, memory)")
+    if not (rule.__doc__ or "").strip() or (rule.__doc__ or "").startswith(f"{rule.__name__}("):
+        raise ParamsError(f"rule {name!r}: {rule.__name__} must have a docstring, whose first line is its summary")
+    if name in AGENTS:
+        raise ParamsError(f"rule {name!r} has the name of a shipped agent; give it another")
+
+
+POLICIES: Registry[type[Scripted]] = Registry("rule", _SHIPPED, _check, like="my-rule")
 FILTER = "cbf"  # the rule that may stand before a `+`
 
 

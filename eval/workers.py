@@ -16,6 +16,7 @@ from multiprocessing.connection import Connection
 
 import numpy as np
 
+from rss_gym import registry
 from rss_gym.eval.episodes import Block, PolicyError, described, fly_episodes
 from rss_gym.eval.policies import Entry, entry
 from rss_gym.params import Params, ParamsError
@@ -64,7 +65,7 @@ def fly_blocks(
     Raises
     ------
     ParamsError
-        If a policy cannot be sent to a worker.
+        If a policy, or a part that was registered, cannot be sent to a worker.
     PolicyError
         When a policy fails, or a worker process dies.
     """
@@ -97,11 +98,12 @@ def _submitted(
     executor: Executor, recipes: Recipes, params: Params, blocks: Sequence[Block]
 ) -> Generator[list[np.ndarray]]:
     """The tables of the blocks in order, each let go of as soon as it has been taken."""
+    sent = registry.added()
     waiting: deque[Future[list[np.ndarray]]] = deque()
     try:
         with interrupts_held():
             for block in blocks:
-                waiting.append(executor.submit(fly_sent, recipes, params, block))
+                waiting.append(executor.submit(fly_sent, sent, recipes, params, block))
         while waiting:
             yield waiting.popleft().result()
     except BrokenExecutor as error:
@@ -164,8 +166,9 @@ def end_with(lifeline: Connection) -> None:
     os._exit(1)
 
 
-def fly_sent(recipes: Recipes, params: Params, block: Block) -> list[np.ndarray]:
-    """`fly_block` with the policies of these recipes, in whatever process."""
+def fly_sent(sent: bytes, recipes: Recipes, params: Params, block: Block) -> list[np.ndarray]:
+    """`fly_block` with the policies of these recipes, in whatever process; `sent` is what `registry.added` gave."""
+    registry.restore(sent)
     return fly_block(entries_of(recipes, params), block)
 
 

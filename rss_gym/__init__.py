@@ -5,6 +5,13 @@ Importing this package registers the environments' names and loads nothing heavy
 
 from importlib.metadata import PackageNotFoundError, version
 
+from rss_gym.extend import (
+    register_channel,
+    register_family,
+    register_metric,
+    register_rule,
+    register_suite,
+)
 from rss_gym.ids import register_all
 
 try:
@@ -14,4 +21,11 @@ except PackageNotFoundError:  # a checkout that was never installed
 
 register_all()
 
-__all__ = ["__version__"]
+__all__ = [
+    "__version__",
+    "register_channel",
+    "register_family",
+    "register_metric",
+    "register_rule",
+    "register_suite",
+]

@@ -24,7 +24,7 @@ from rss_gym.eval.suites import find
 from rss_gym.files import check_new
 from rss_gym.pages import page
 from rss_gym.pages.page import Section
-from rss_gym.params import Channel, load_channel, presets
+from rss_gym.params import CHANNELS, Channel, load_channel
 from rss_gym.radio import save_channel
 
 SUITE = "encounter-v0"
@@ -55,7 +55,7 @@ def radio() -> Radio:
 
 
 def _preset() -> Radio:
-    line = presets()[PRESET].read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
+    line = CHANNELS[PRESET].summary
     origin = f"No radio logs are at hand (RSS_GYM_DATA), so it is the preset {PRESET}: {line}"
     return Radio(load_channel(PRESET), origin, line)
 

@@ -20,8 +20,8 @@ __all__ = ["announce", "cache_dir", "inner", "kernel"]
 _WITHOUT_KERNELS = {
     (name,)
     for name in (
-        *("calibration", "eval", "train", "render", "pages", "commands"),
-        *("arguments.py", "cli.py", "files.py", "listing.py"),
+        *("calibration", "eval", "train", "render", "pages", "commands", "testing"),
+        *("arguments.py", "cli.py", "errors.py", "extend.py", "files.py", "listing.py", "registry.py"),
     )
 }
 # The entry point for C is of no use here and takes time to compile.

@@ -1,7 +1,6 @@
 """What there is to choose from, for `rss-gym list`."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from rss_gym.baselines import describe, road
 from rss_gym.encounters import FAMILIES, MIXED
@@ -9,7 +8,7 @@ from rss_gym.eval.road import SUITES as ROAD_SUITES
 from rss_gym.eval.suites import SUITES
 from rss_gym.highway.env import SCENES
 from rss_gym.ids import IDS, ROADS
-from rss_gym.params import presets
+from rss_gym.params import CHANNELS
 from rss_gym.train.recipe import load, recipes
 from rss_gym.train.road import recipe as road_recipe
 
@@ -26,7 +25,7 @@ def listing() -> dict[str, dict[str, str]]:
             for name, item in describe().items()
         },
         "drivers": road.describe(),
-        "channels": {name: _first_line(path) for name, path in presets().items()},
+        "channels": {name: preset.summary for name, preset in CHANNELS.items()},
         "families": {MIXED: "all of these, by their weights"}
         | {name: f"{family.summary} [weight {family.weight:g}]" for name, family in FAMILIES.items()},
         "recipes": {name: f"{load(name).summary} [{load(name).steps} decisions]" for name in recipes()}
@@ -39,7 +38,3 @@ def listing() -> dict[str, dict[str, str]]:
 
 def _road_recipes() -> Iterator[tuple[str, road_recipe.RoadRecipe]]:
     return ((name, road_recipe.load(name)) for name in road_recipe.recipes())
-
-
-def _first_line(path: Path) -> str:
-    return path.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")

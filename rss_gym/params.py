@@ -8,7 +8,6 @@ Wrong names, types and ranges raise `ParamsError` (a `ValueError`) in one senten
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 import numbers
 import os
@@ -22,6 +21,8 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from rss_gym.errors import ParamsError, suggestion
+from rss_gym.registry import Registry
 from rss_gym.streams import MAX_INTRUDERS
 
 PRESETS_FOLDER = Path(__file__).parent / "presets"
@@ -34,17 +35,6 @@ Tracker = Literal["latest", "fused", "bearings"]
 Localisation = Literal["gnss", "rss", "dead-reckoning"]
 ActionKind = Literal["velocity", "discrete"]
 ZoneKind = Literal["fixed", "adaptive"]
-
-
-class ParamsError(ValueError):
-    """A parameter that is unknown, of the wrong type, out of its range, or in contradiction with another."""
-
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """End of an error sentence about an unknown name: the nearest known one and the list of all."""
-    names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    return (f"; did you mean {near[0]!r}?" if near else ";") + f" known: {', '.join(names)}"
 
 
 def number(default: float, low: float, high: float) -> Any:
@@ -354,9 +344,34 @@ class Reward(Group):
     shaping_discount: float = number(0.99, 0.0, 1.0)
 
 
-def presets() -> dict[str, Path]:
-    """The shipped channel presets: name -> TOML file."""
-    return {path.stem: path for path in sorted(PRESETS_FOLDER.glob("*.toml"))}
+@dataclass(frozen=True)
+class Preset:
+    """A named channel: its numbers, or the TOML file that holds them, and where they are from."""
+
+    source: Channel | Path
+    text: str = ""
+
+    @property
+    def summary(self) -> str:
+        """One line for listings: that given, or the file's first comment."""
+        if self.text or isinstance(self.source, Channel):
+            return self.text
+        return self.source.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
+
+
+def _check_preset(name: str, preset: Preset) -> None:
+    if name == RADIOS:
+        raise ParamsError(f"channel name {RADIOS!r} stands for all presets; give the new one another name")
+    if not isinstance(preset, Preset) or not isinstance(preset.text, str) or not preset.text.strip():
+        raise ParamsError(f"channel {name!r} must have a summary, one line that says where its numbers are from")
+
+
+CHANNELS: Registry[Preset] = Registry(
+    "channel",
+    {path.stem: Preset(path) for path in sorted(PRESETS_FOLDER.glob("*.toml"))},
+    _check_preset,
+    like="my-radio",
+)
 
 
 def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -> Channel:
@@ -374,12 +389,15 @@ def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -
         return Channel(**source)
     if not isinstance(source, (str, os.PathLike)):
         raise ParamsError(f"channel must be a preset's name, a TOML file, a dict or a list of these, got {source!r}")
-    text, shipped = os.fspath(source), presets()
-    path = shipped.get(text) or Path(text)
-    if text not in shipped and not os.path.isfile(path):  # Path.is_file raises for a name that is too long
+    text = os.fspath(source)
+    preset = CHANNELS.get(text)
+    path = Path(text) if preset is None else preset.source
+    if isinstance(path, Channel):
+        return path
+    if preset is None and not os.path.isfile(path):  # Path.is_file raises for a name that is too long
         if path.suffix == ".toml" or len(path.parts) > 1:
             raise ParamsError(f"channel file {text!r} does not exist")
-        raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, [*shipped, RADIOS])}")
+        raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, [*CHANNELS, RADIOS])}")
     try:
         is_short = path.stat().st_size <= 65536
         table = tomllib.loads(path.read_text(encoding="utf-8")) if is_short else {}
@@ -419,7 +437,7 @@ def _channels(value: Any) -> tuple[Channel, ...]:
     if not items:
         raise ParamsError("channel list is empty; name at least one preset or file")
     if RADIOS in items:
-        named = [load_channel(name) for name in presets() if name != "clean"]
+        named = [load_channel(name) for name in CHANNELS.shipped if name != "clean"]
         radios = [*named, *random_channels(RANDOM_RADIOS, seed=0)]
         items = [radio for item in items for radio in (radios if item == RADIOS else [item])]
     return tuple(load_channel(item) for item in items)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import rss_gym  # noqa: F401
 from rss_gym.params import (
+    CHANNELS,
     RANGES_IMPLY,
     Aircraft,
     Channel,
@@ -22,7 +23,6 @@ from rss_gym.params import (
     ParamsError,
     Zone,
     load_channel,
-    presets,
 )
 
 GROUPS = {f.name: type(getattr(Params(), f.name)) for f in dataclasses.fields(Params) if f.name != "channels"}
@@ -301,12 +301,12 @@ def test_default_events_are_nested():
     assert math.hypot(zone.snmac_horizontal_m, zone.snmac_vertical_m) < zone.radius_m
 
 
-@pytest.mark.parametrize("name", sorted(presets()))
+@pytest.mark.parametrize("name", sorted(CHANNELS))
 def test_every_preset_loads_and_survives(name):
     channel = load_channel(name)
     assert load_channel(channel) is channel
     assert load_channel(channel.to_dict()) == channel
-    assert load_channel(presets()[name]) == channel  # the same file by its path
+    assert load_channel(CHANNELS[name].source) == channel  # the same file by its path
     params = Params.of(channel=name)
     assert params.channels == (channel,)
     assert _through_json(params) == params
@@ -314,7 +314,7 @@ def test_every_preset_loads_and_survives(name):
 
 
 def test_presets_are_those_of_the_design():
-    assert set(presets()) == {"paper", "outdoor", "quadcopter", "wifi-walk", "ble-indoor", "clean"}
+    assert set(CHANNELS) == {"paper", "outdoor", "quadcopter", "wifi-walk", "ble-indoor", "clean"}
     rows = {
         "paper": (2.7, 0.1, 6.4, 0.15),
         "outdoor": (2.7, 4.0, 4.0, 2.0),

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+from rss_gym import registry
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.eval.workers import end_with, interrupts_held
@@ -207,9 +208,10 @@ def _report(index: int, times: Times) -> None:
     print(f"seed {index}: {times}", flush=True)
 
 
-def _seed(folder: str, index: int, show: bool, position: int = 0) -> Times:
+def _seed(folder: str, index: int, show: bool, position: int = 0, sent: bytes = b"") -> Times:
     from rss_gym.train.loop import train_seed
 
+    registry.restore(sent)
     recipe, document = read(folder)
     record = {key: document[key] for key in ("name", "recipe", "versions", "revision")}
     return train_seed(recipe, Path(folder) / f"seed-{index}", index, record, show, position)
@@ -221,8 +223,9 @@ def _spread(folder: Path, count: int, workers: int, show: bool) -> None:
     spawn = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(min(workers, count), spawn, initializer=_begin, initargs=(lifeline,))
     try:
+        sent = registry.added()
         with interrupts_held():
-            seeds = {pool.submit(_seed, str(folder), index, show, index): index for index in range(count)}
+            seeds = {pool.submit(_seed, str(folder), index, show, index, sent): index for index in range(count)}
         for seed in as_completed(seeds):
             _report(seeds[seed], seed.result())
     except BrokenProcessPool as error:

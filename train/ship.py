@@ -24,7 +24,7 @@ from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.text import cell
 from rss_gym.files import replaced_folder, write_text
 from rss_gym.pages import figure, page
-from rss_gym.params import Params, ParamsError, load_channel, presets
+from rss_gym.params import CHANNELS, Params, ParamsError, load_channel
 from rss_gym.train import recipe as recipes
 from rss_gym.train import run as runs
 from rss_gym.train.recipe import Recipe
@@ -151,7 +151,7 @@ def row(seed: Seed) -> list[str]:
 def described(params: Params) -> str:
     """What of a world a policy depends on, in words."""
     encounter = params.encounter
-    names = {load_channel(name): name for name in presets()}
+    names = {load_channel(name): name for name in CHANNELS}
     channels = [names.get(channel, f"one of its own (in {DOCUMENT})") for channel in params.channels]
     several = f"{encounter.intruders_min} to " if encounter.intruders_min else ""
     parts = {

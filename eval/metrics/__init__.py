@@ -1,6 +1,7 @@
-"""The scores of the evaluator. A new metric is one file with a `Metric` and one line in `METRICS`.
+"""The scores of the evaluator.
 
-Reports and records list them in this order.
+A new metric is one file with a `Metric` and one line in `METRICS`, or `rss_gym.register_metric`. Reports and records
+list them in this order.
 """
 
 from __future__ import annotations
@@ -36,11 +37,12 @@ from rss_gym.eval.metrics.range_error import RANGE_ERROR_P50_M, RANGE_ERROR_P80_
 from rss_gym.eval.metrics.risk_ratio import RISK_RATIO, RISK_RATIO_INDUCED, RISK_RATIO_UNRESOLVED
 from rss_gym.eval.metrics.unnecessary_manoeuvre_rate import UNNECESSARY_MANOEUVRE_RATE
 from rss_gym.eval.metrics.zone_severity import ZONE_SEVERITY
-from rss_gym.params import ParamsError, suggestion
+from rss_gym.params import ParamsError
+from rss_gym.registry import Registry
 
 __all__ = ["METRICS", "Estimate", "Flights", "Function", "Metric", "measure"]
 
-METRICS: dict[str, Metric] = {
+_SHIPPED: dict[str, Metric] = {
     "cost_m": COST_M,
     "collision_rate": COLLISION_RATE,
     "snmac_rate": SNMAC_RATE,
@@ -74,6 +76,19 @@ METRICS: dict[str, Metric] = {
 }
 
 
+def _check(name: str, metric: Metric) -> None:
+    if not isinstance(metric, Metric):
+        raise ParamsError(f"metric {name!r} must be a rss_gym.eval.metrics.Metric, got {type(metric).__name__}")
+    if not callable(metric.function):
+        raise ParamsError(f"metric {name!r}: function must be callable, got {metric.function!r}")
+    for field in ("summary", "unit"):
+        if not isinstance(getattr(metric, field), str) or not getattr(metric, field).strip():
+            raise ParamsError(f"metric {name!r}: {field} must be a text, got {getattr(metric, field)!r}")
+
+
+METRICS: Registry[Metric] = Registry("metric", _SHIPPED, _check, name="[a-z][a-z0-9_]*", like="my_metric_m")
+
+
 def measure(flights: Flights, names: Iterable[str] | None = None) -> dict[str, Estimate]:
     """The metrics of these flights by name, all of them or those named.
 
@@ -83,7 +98,4 @@ def measure(flights: Flights, names: Iterable[str] | None = None) -> dict[str, E
         For an unknown name.
     """
     chosen = list(METRICS if names is None else names)
-    for name in chosen:
-        if name not in METRICS:
-            raise ParamsError(f"metric {name!r} is unknown{suggestion(name, METRICS)}")
-    return {name: METRICS[name](flights) for name in chosen}
+    return {name: METRICS.find(name)(flights) for name in chosen}

@@ -31,7 +31,7 @@ from rss_gym.params import Params, ParamsError, suggestion
 
 ALL = "all"
 AIRBORNE = ("zone_severity",)  # not on a road: how deep a zone was entered that is not one of fixed radius
-NAMES = tuple(name for name in METRICS if name not in AIRBORNE)
+NAMES = tuple(name for name in METRICS.shipped if name not in AIRBORNE)
 UNITS = {"lane_deviation_m": "m", "speed_deviation_mps": "m/s"}
 CHUNK = 10  # episodes that a worker is given at a time
 

@@ -1,6 +1,7 @@
-"""Families of encounters, one file each. A new family is one file and one line in `FAMILIES`.
+"""Families of encounters, one file each.
 
-`mixed` draws from all that carry a weight; the others are named explicitly.
+A new family is one file and one line in `FAMILIES`, or `rss_gym.register_family`. `mixed` draws from all that carry a
+weight; the others are named explicitly.
 """
 
 import numpy as np
@@ -22,10 +23,11 @@ from rss_gym.encounters.parallel_pass import PARALLEL_PASS
 from rss_gym.encounters.path_loss_jump import PATH_LOSS_JUMP
 from rss_gym.encounters.turning import TURNING
 from rss_gym.params import Encounter, ParamsError, suggestion
+from rss_gym.registry import Registry
 from rss_gym.state import FAMILY
 
 MIXED = "mixed"
-FAMILIES: dict[str, Family] = {
+_SHIPPED: dict[str, Family] = {
     "crossing": CROSSING,
     "head-on": HEAD_ON,
     "overtaking": OVERTAKING,
@@ -46,6 +48,23 @@ FAMILIES: dict[str, Family] = {
     "hovering": HOVERING,
     "start-near-zone": START_NEAR_ZONE,
 }
+
+
+def _check(name: str, family: Family) -> None:
+    if name == MIXED:
+        raise ParamsError(f"family name {MIXED!r} stands for all that carry a weight; give the new one another name")
+    if not isinstance(family, Family):
+        raise ParamsError(f"family {name!r} must be a rss_gym.encounters.family.Family, got {type(family).__name__}")
+    if not family.summary.strip():
+        raise ParamsError(f"family {name!r} must have a summary, one line for listings")
+    if family.weight != 0.0:
+        raise ParamsError(
+            f"family {name!r}: weight must be 0, got {family.weight!r}: {MIXED!r} is the distribution of the package; "
+            "name the new family in `families`"
+        )
+
+
+FAMILIES: Registry[Family] = Registry("family", _SHIPPED, _check, like="my-family")
 
 
 def chosen(encounter: Encounter) -> list[str]:

@@ -6,19 +6,7 @@ import pytest
 from rss_gym import baselines, observation
 from rss_gym.core import Batch, decode
 from rss_gym.params import Params, ParamsError
-
-NAMES = sorted(baselines.POLICIES)
-WORLDS = {
-    "plane": {},
-    "space": {"planar": False},
-    "several": {"intruders": 4, "intruders_min": 1},
-}
-
-
-def world_for(name, keywords):
-    """A world that the policy can fly in."""
-    keywords = ({"planar": False} if baselines.POLICIES[name].in_space else {}) | keywords
-    return Params.of(information="ranges", **keywords) if name == "modified-orthogonal" else Params.of(**keywords)
+from rss_gym.testing.rule import WORLDS, check_rule_in
 
 
 def flown(policy, count, steps=60):
@@ -35,43 +23,10 @@ def flown(policy, count, steps=60):
     return trace
 
 
-@pytest.mark.parametrize("params", WORLDS)
-@pytest.mark.parametrize("name", NAMES)
-def test_actions_are_finite_and_in_the_box(name, params):
-    policy = baselines.make(name, world_for(name, WORLDS[params]))
-    axes = 2 if policy.params.encounter.planar else 3
-    for _, actions, _ in flown(policy, 16):
-        assert actions.shape == (16, axes) and actions.dtype == np.float32
-        assert np.isfinite(actions).all() and (np.abs(actions) <= 1.0).all()
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_row_of_a_batch_equals_the_row_alone(name):
-    policy = baselines.make(name, world_for(name, {}))
-    together = flown(policy, 5)
-    state = None
-    for step, (observations, actions, _) in enumerate(together):
-        alone, state = policy.predict(observations[3], state, np.array([step == 0]))
-        np.testing.assert_array_equal(alone, actions[3])
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_memory_is_cleared_where_an_episode_starts(name):
-    policy = baselines.make(name, world_for(name, {}))
-    observations, _, state = flown(policy, 4)[-1]
-    fresh, _ = policy.predict(observations)
-    mixed, _ = policy.predict(observations, state, np.array([True, False, True, False]))
-    np.testing.assert_array_equal(mixed[[0, 2]], fresh[[0, 2]])
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_arguments_are_left_alone(name):
-    policy = baselines.make(name, world_for(name, {}))
-    observations, _, state = flown(policy, 4)[-1]
-    before = observations.copy(), state.copy()
-    policy.predict(observations, state)
-    np.testing.assert_array_equal(observations, before[0])
-    np.testing.assert_array_equal(state, before[1])
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("name", baselines.POLICIES)
+def test_every_rule_keeps_the_contract_of_a_policy(name, world):
+    check_rule_in(name, world)
 
 
 def test_every_policy_has_a_summary():

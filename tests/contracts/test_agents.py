@@ -4,19 +4,18 @@ import csv
 import json
 import re
 
-import numpy as np
 import pytest
 
 from rss_gym import baselines
 from rss_gym.baselines import AGENTS, shipped
 from rss_gym.baselines.agent import Agent
 from rss_gym.cli import main
-from rss_gym.core import Batch, decode
 from rss_gym.eval import evaluate, records, verify
 from rss_gym.eval.policies import entry
 from rss_gym.ids import IDS
 from rss_gym.listing import listing
 from rss_gym.params import Params, ParamsError
+from rss_gym.testing import check_policy
 
 SIZE_MAX = 1 << 20  # bytes of a folder
 MADE = "made-for-the-test"
@@ -90,20 +89,8 @@ def test_its_own_information_alone_may_be_named(name):
         baselines.make(f"{name}@nowhere", home(name))
 
 
-def test_a_row_of_a_batch_equals_the_row_alone(name):
-    agent, count = baselines.make(name, home(name)), 7
-    batch = Batch(agent.params, count)
-    batch.seed(np.arange(count, dtype=np.uint64))
-    batch.reset(np.ones(count, bool))
-    state, lone, first = None, None, True
-    for step in range(60):
-        starts = np.full(count, first)
-        actions, state = agent.predict(batch.observations, state, starts)
-        alone, lone = agent.predict(batch.observations[4], lone, starts[4:5])
-        assert actions.dtype == np.float32 and (np.abs(actions) <= 1.0).all() and np.isfinite(actions).all()
-        np.testing.assert_array_equal(alone, actions[4])
-        first = step == 29  # memory is cleared where an episode starts
-        batch.step(decode(actions, agent.params, count), ~(batch.episode["terminated"] | batch.episode["truncated"]))
+def test_it_keeps_the_contract_of_a_policy(name):
+    check_policy(baselines.make(name, home(name)), home(name))
 
 
 def test_name_and_folder_are_one_policy_for_the_records(name):

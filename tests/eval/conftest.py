@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from rss_gym.eval.costs import cost_m
-from rss_gym.eval.metrics import Flights
 from rss_gym.eval.table import TABLE
+from rss_gym.testing.metric import flights_of, random_flights
 
 T, F = True, False
 
@@ -51,48 +50,16 @@ def table_of(columns):
     return out
 
 
-def random_table(generator, n, risk=0.2):
-    """Flights that could be: events nested, ends after collisions."""
-    out = np.zeros(n, TABLE)
-    out["episode"] = np.arange(n)
-    out["duration_s"] = generator.uniform(60, 105, n)
-    out["min_separation_m"] = generator.exponential(4.5 / risk, n)
-    for event, limit_m in (("collision", 4.5), ("snmac", 15.0), ("zone", 120.0)):
-        out[event] = out["min_separation_m"] < limit_m
-    out["flown_s"] = np.where(out["collision"], generator.uniform(20, 60, n), out["duration_s"])
-    out["closest_s"] = generator.uniform(0, out["flown_s"])
-    for name in ("deviation_mean_m", "deviation_max_m", "deviation_end_m", "manoeuvre_m"):
-        out[name] = generator.exponential(5.0, n)
-    out["zone_severity"] = generator.random(n) * out["zone"]
-    out["cost_m"] = cost_m(out["deviation_mean_m"], out["snmac"], out["collision"])
-    out["flown_m"], out["planned_m"] = generator.uniform(200, 400, (2, n))
-    out["warned_s"] = np.where(generator.random(n) < 0.1, -1.0, generator.uniform(0, 40, n))
-    out["false_alerts"], out["missed_ticks"] = generator.poisson(0.3, n), generator.poisson(4.0, n)
-    out["sample_separation_m"] = generator.uniform(2, 190, n)
-    out["sample_range_m"] = out["sample_separation_m"] + generator.normal(0, 20, n)
-    return out
-
-
-def flights_of(table, none, reference=None):
-    """Flights in the zone of the paper."""
-    return Flights(table, none, reference, suite_radius_m=120.0, trials=8, range_error_probability=0.8, reaction_s=1.0)
-
-
 @pytest.fixture
 def by_hand():
     """The six encounters above."""
     return flights_of(*(table_of(COMMON | columns) for columns in (POLICY, NONE, REFERENCE)))
 
 
-@pytest.fixture
-def random_flights():
+@pytest.fixture(name="random_flights")
+def random_flights_():
     """Function (n, seed=0) -> n random encounters with a policy, `none` and a reference."""
-
-    def make(n, seed=0):
-        generator = np.random.default_rng([seed, n])
-        return flights_of(*(random_table(generator, n, risk) for risk in (0.02, 0.5, 0.05)))
-
-    return make
+    return random_flights
 
 
 @pytest.fixture

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rss_gym.params import Channel, ParamsError, load_channel, presets
+from rss_gym.params import CHANNELS, Channel, ParamsError, load_channel
 from rss_gym.radio import save_channel
 
-CHANNELS = st.builds(
+RADIOS = st.builds(
     Channel, **{f.name: st.floats(f.metadata["low"], f.metadata["high"]) for f in dataclasses.fields(Channel)}
 )
 PRINTABLE = st.text(st.characters(exclude_categories=("C", "Z")) | st.just(" "), max_size=60)
 
 
-@given(CHANNELS, PRINTABLE)
+@given(RADIOS, PRINTABLE)
 def test_round_trip(channel, comment):
     with tempfile.TemporaryDirectory() as folder:
         path = save_channel(channel, Path(folder) / "own.toml", comment)
@@ -26,7 +26,7 @@ def test_round_trip(channel, comment):
         assert [file.name for file in Path(folder).iterdir()] == ["own.toml"]
 
 
-@pytest.mark.parametrize("name", presets())
+@pytest.mark.parametrize("name", CHANNELS)
 def test_presets_and_replacing(name, tmp_path):
     path = tmp_path / "own.toml"
     path.write_text("old")

@@ -8,7 +8,7 @@ from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rss_gym.params import Channel, load_channel, presets
+from rss_gym.params import CHANNELS, Channel, load_channel
 from rss_gym.physics.noise import decay, driving_std
 from rss_gym.ranging import coloured
 
@@ -56,7 +56,7 @@ def step(ekf, gamma, psi, process, rss):
         ekf.x[0] = max(ekf.x[0], FLOOR_M)
 
 
-@pytest.mark.parametrize("preset", sorted(presets()))
+@pytest.mark.parametrize("preset", sorted(CHANNELS))
 @pytest.mark.parametrize("seed", range(5))
 def test_sequences_equal_filterpy(preset, seed):
     """500 ticks of a random flight with psi at some ticks and no reception at others: state and covariance to 1e-9."""

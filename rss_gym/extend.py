@@ -1,0 +1,96 @@
+"""The doors: functions that add a part of your own to the package. Each imports its layer when it is called."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from rss_gym import registry
+
+if TYPE_CHECKING:
+    from rss_gym.baselines.policy import Scripted
+    from rss_gym.encounters.family import Family
+    from rss_gym.eval.metrics import Metric
+    from rss_gym.eval.suites import Suite
+    from rss_gym.params import Channel
+
+__all__ = [
+    "register_channel",
+    "register_family",
+    "register_metric",
+    "register_rule",
+    "register_suite",
+]
+
+
+def register_channel(name: str, channel: Channel | Mapping[str, Any] | str | os.PathLike[str], summary: str) -> None:
+    """Add a preset of the radio channel: `channel="name"` then works wherever a shipped preset does.
+
+    Parameters
+    ----------
+    name : str
+    channel : Channel, mapping or path
+        As in `rss_gym.params.load_channel`; a file is read now.
+    summary : str
+        One line that says where the numbers are from.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken, or what is no channel.
+    """
+    from rss_gym.params import Preset, load_channel
+
+    registry.of("channel").register(name, Preset(load_channel(channel), summary))
+
+
+def register_family(name: str, family: Family) -> None:
+    """Add a family of encounters; `families=["name"]` flies it. It has the weight 0, as `mixed` is that of the package.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken, what is no `rss_gym.encounters.family.Family`, or a weight.
+    """
+    registry.of("family").register(name, family)
+
+
+def register_rule(name: str, rule: type[Scripted]) -> None:
+    """Add a scripted policy: `name` with its options then works wherever `orca` does.
+
+    Parameters
+    ----------
+    name : str
+    rule : type
+        A frozen dataclass that derives from `rss_gym.baselines.policy.Scripted` and writes `act`; fields made by
+        `rss_gym.params.number` are its options.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken, or what is no such class.
+    """
+    registry.of("rule").register(name, rule)
+
+
+def register_metric(name: str, metric: Metric) -> None:
+    """Add a score: every evaluation computes it, and `scores.json` and the report hold it.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken, or what is no `rss_gym.eval.metrics.Metric`.
+    """
+    registry.of("metric").register(name, metric)
+
+
+def register_suite(suite: Suite) -> None:
+    """Add a suite under its own name: `evaluate(..., suite="name-v0")` flies it.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken or has no version, or what is no `rss_gym.eval.suites.Suite`.
+    """
+    registry.of("suite").register(getattr(suite, "name", ""), suite)

@@ -1,0 +1,23 @@
+"""Every channel, family and suite keeps the contract that parts of a user's own are held to."""
+
+import pytest
+
+from rss_gym.encounters import FAMILIES
+from rss_gym.eval.suites import SUITES
+from rss_gym.params import CHANNELS
+from rss_gym.testing import check_channel, check_family, check_suite
+
+
+@pytest.mark.parametrize("name", CHANNELS)
+def test_every_channel(name):
+    check_channel(name)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_every_family(name):
+    check_family(name)
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_every_suite(name):
+    check_suite(name)
