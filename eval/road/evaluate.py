@@ -149,7 +149,7 @@ def score(
         )
         means = {name: Estimate(*mean_t(deviation[name]), unit=unit) for name, unit in UNITS.items()}
         scored.append(Scored(entry, table, measure(flights, NAMES) | means))
-    return RoadResult(suite, seed, len(none), official, tuple(scored), reference, tuple(deviations))
+    return RoadResult(suite, seed, len(none), official, tuple(scored), reference, deviations=tuple(deviations))
 
 
 Part = list[tuple[np.ndarray, np.ndarray]]  # table and deviations of each policy
