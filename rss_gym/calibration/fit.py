@@ -18,6 +18,7 @@ from rss_gym.radio import GaussMarkov, NoiseFit, PathLossFit, allan_curve, fit_p
 LIMITS = {item.name: (item.metadata["low"], item.metadata["high"]) for item in dataclasses.fields(Channel)}
 _APART_S = 1e6  # between two records laid end to end: no noise that `Channel` knows lasts from one to the next
 _SUPPORTED = 2.0  # times the variance of the residuals: more than that is not to be seen in them
+_STEP_MISFIT = 0.1  # of a step, between a level and its multiple
 _LEFT_OUT = 0.1  # share of the samples between gaps, unused by the Allan curve, that is worth a warning
 
 
@@ -162,13 +163,26 @@ def _end_to_end(times_s: Sequence[Floats]) -> Floats:
 def _noise(links: dict[str, LinkFit]) -> tuple[NoiseFit, list[str]]:
     residuals = [residual for link in links.values() for residual in link.residuals_db]
     times = [record.time_s for link in links.values() for record in link.records]
-    pieces, period_s = regular(_end_to_end(times), np.concatenate(residuals))
-    noise = identify(allan_curve(pieces, period_s))
+    try:
+        pieces, period_s = regular(_end_to_end(times), np.concatenate(residuals))
+        noise = identify(allan_curve(pieces, period_s))
+    except ParamsError as error:
+        raise ParamsError(f"{_where(links)}: the noise cannot be told from the times and residuals: {error}") from error
     spans = sum(time_s[-1] - time_s[0] for time_s in times)
     left_out = 1.0 - sum(map(len, pieces)) * period_s / max(spans, period_s)
     if left_out > _LEFT_OUT:
         return noise, [f"{left_out:.0%} of the time lies in gaps or between them and is not in the Allan curve"]
     return noise, []
+
+
+def _where(links: dict[str, LinkFit]) -> str:
+    """`log 'a.csv', links 'x' and 'y'`: what an error is about."""
+    sources = list(dict.fromkeys(record.source for link in links.values() for record in link.records))
+    named = [
+        f"{what}{'s' if len(all_) > 1 else ''} {', '.join(map(repr, all_[:3]))}"
+        for what, all_ in (("log", sources), ("link", list(links)))
+    ]
+    return ", ".join(named)
 
 
 def _channel(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[Channel, list[str]]:
@@ -177,7 +191,9 @@ def _channel(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[Channel, list[
     offsets = np.array([link.path_loss.offset_dbm for link in links.values()])
     middle_db = 10.0 * np.mean(np.log10(np.concatenate([link.distance_m for link in links.values()])))
     factor = float(np.median(factors))
-    step_db = _step_db(np.concatenate([record.rss_dbm for link in links.values() for record in link.records]))
+    steps = [_step_db(np.concatenate([record.rss_dbm for record in link.records])) for link in links.values()]
+    weights = np.array([link.rows for link in links.values()])
+    step_db = max(set(steps), key=lambda step: int(weights[np.array(steps) == step].sum()))
     wanted = {
         "path_loss_factor": factor,
         "offset_dbm": float(np.median(offsets - factors * middle_db)) + factor * middle_db,
@@ -216,10 +232,18 @@ def _supported(links: dict[str, LinkFit], noise: NoiseFit) -> tuple[GaussMarkov,
 
 
 def _step_db(rss_dbm: Floats) -> float:
-    """The step of which all RSS are multiples, apart from a common shift; 0 if there is none."""
+    """The step of which all RSS are multiples, apart from a common shift; 0 if there is none.
+
+    The least distance of two levels, made exact level by level: a step of 1/1.9 dB written with two digits is found
+    too.
+    """
     levels = np.unique(np.round(rss_dbm, 6))
     if not 2 <= len(levels) <= len(rss_dbm) // 4:  # values hardly ever come twice: not rounded
         return 0.0
-    ratio = np.diff(levels) / np.diff(levels).min()
-    even = np.abs(ratio - np.round(ratio)).max() < 0.05
-    return float(np.round((levels[-1] - levels[0]) / np.round(ratio).sum(), 4)) if even else 0.0
+    gaps = np.diff(levels)
+    step, number = float(gaps.min()), np.zeros(len(levels))
+    for k in range(1, len(levels)):
+        number[k] = number[k - 1] + max(round(gaps[k - 1] / step), 1)
+        step = float((levels[k] - levels[0]) / number[k]) if k > 2 else step
+    misfit = np.abs(levels - levels[0] - number * step).max() / step
+    return float(np.round(step, 4)) if misfit < _STEP_MISFIT else 0.0

@@ -20,6 +20,7 @@ COMMANDS: dict[str, str] = {
     "train": "train",
     "export": "export",
     "calibrate": "calibrate",
+    "simulate-log": "simulate_log",
     "paper": "paper",
     "study": "study",
     "demo": "demo",

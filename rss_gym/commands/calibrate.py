@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
+import re
+from typing import Any
 
 HELP = "a channel from radio logs, with range errors on a test"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
+    # A station south of the equator begins with a minus.
+    parser._negative_number_matcher = re.compile(r"^-\d[-\d.,e]*$")
     parser.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
     parser.add_argument(
         "--test",
@@ -18,31 +23,69 @@ def add(parser: argparse.ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="TEST",
-        help="logs to test on (default: the last third of each record)",
+        help="logs to test on; default: the last third of each record",
     )
-    parser.add_argument("--format", default="csv", help="csv (default) or mavlink")
-    parser.add_argument("--columns", default="", metavar="t=..,rss=..,dist=..", help="names of a table's columns")
-    parser.add_argument("--out", required=True, metavar="FILE", help="channel to write, such as channel.toml")
+    parser.add_argument("--inspect", action="store_true", help="only say what the logs hold and what would be dropped")
+    parser.add_argument("--out", metavar="FILE", help="channel to write, such as channel.toml")
     parser.add_argument("--report", metavar="DIR", help="new folder for the page and calibration.json")
     parser.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
+    reading = parser.add_argument_group("reading", "where a log does not say so itself")
+    reading.add_argument("--format", metavar="NAME", help="csv, mavlink, ...; default: told by the content")
+    reading.add_argument(
+        "--columns",
+        default="",
+        metavar="t=..,rss=..,dist=..",
+        help="names of a table's columns or a bag's fields; 1=t,2=rss,3=dist for a table without a header",
+    )
+    reading.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="default: told by the numbers")
+    reading.add_argument(
+        "--melt",
+        nargs="?",
+        const="*",
+        metavar="PATTERN",
+        help="the table has columns for each link: alone they are found, else such as rss=rss_*,dist=dist_*",
+    )
+    reading.add_argument(
+        "--truth", metavar="FILE", help="table with the true distances or positions, over the same clock"
+    )
+    reading.add_argument("--offset-db", type=float, default=0.0, metavar="DB", help="added to a power that is relative")
+    reading.add_argument(
+        "--station",
+        metavar="LAT,LON,ALT",
+        help="where the fixed end is: degrees and m, or x,y,z in m for local positions",
+    )
+    reading.add_argument(
+        "--from", type=float, default=-math.inf, dest="from_s", metavar="S", help="after the first row"
+    )
+    reading.add_argument("--to", type=float, default=math.inf, dest="to_s", metavar="S", help="after the first row")
+    reading.add_argument("--whole", action="store_true", help="use rows on the ground and while not armed too")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Fit, test, write the channel and print the table."""
+    """Inspect, or fit, test and write."""
     from rss_gym.calibration.logs import read
     from rss_gym.eval.studies.calibration import output
     from rss_gym.eval.studies.calibration.calibrate import calibrate
+    from rss_gym.eval.studies.calibration.inspect import inspect
     from rss_gym.params import ParamsError
 
+    reading = _reading(options)
+    if options.inspect:
+        if options.out is not None:
+            raise ParamsError("--inspect writes no channel: give it without --out")
+        inspect([*options.fit, *options.test], options.format, reading, options.report)
+        return
+    if options.out is None:
+        raise ParamsError("name the channel to write by --out, or give --inspect")
     output.check_outputs(options.out, options.report)
-    columns = _columns(options.columns)
     fitted = {os.path.realpath(name) for name in options.fit}
     twice = next((name for name in options.test if os.path.realpath(name) in fitted), None)
     if twice is not None:
         raise ParamsError(f"log {twice!r} is to be fitted and tested; a test needs a log of its own")
-    fit = read(options.fit, options.format, columns)
-    test = read(options.test, options.format, columns) if options.test else None
-    result = calibrate(fit, test or (), (*fit.notes, *(test.notes if test else ())))
+    logs = read([*options.fit, *options.test], options.format, **reading)
+    fit = [record for record in logs if record.file < len(options.fit)]
+    test = [record for record in logs if record.file >= len(options.fit)]
+    result = calibrate(fit, test, logs.notes)
     output.save(result, options.out, options.report)
     if options.json:
         print(json.dumps(output.to_dict(result), indent=1, allow_nan=False))
@@ -51,6 +94,21 @@ def run(options: argparse.Namespace) -> None:
     print(f"channel: {options.out}")
     if options.report is not None:
         print(f"report: {os.path.join(options.report, output.PAGE)}")
+
+
+def _reading(options: argparse.Namespace) -> dict[str, Any]:
+    """The keyword arguments of `read`."""
+    return {
+        "columns": _columns(options.columns),
+        "time_unit": options.time_unit,
+        "melt": options.melt,
+        "truth": options.truth,
+        "offset_db": options.offset_db,
+        "station": _station(options.station),
+        "from_s": options.from_s,
+        "to_s": options.to_s,
+        "whole": options.whole,
+    }
 
 
 def _columns(text: str) -> dict[str, str]:
@@ -64,3 +122,17 @@ def _columns(text: str) -> dict[str, str]:
             raise ParamsError(f"columns must be KEY=NAME pairs of different keys with commas between, got {item!r}")
         columns[key] = name
     return columns
+
+
+def _station(text: str | None) -> tuple[float, float, float] | None:
+    from rss_gym.params import ParamsError
+
+    if text is None:
+        return None
+    try:
+        first, second, third = (float(part) for part in text.split(","))
+    except ValueError:
+        raise ParamsError(
+            f"station must be LAT,LON,ALT or X,Y,Z, three numbers with commas between, got {text!r}"
+        ) from None
+    return first, second, third

@@ -90,7 +90,7 @@ def test_an_older_channel_is_replaced(capsys, tmp_path, logs):
         (["{log}", "--columns", "t", "--out", "{folder}/c.toml"], ["'t'", "KEY=NAME"]),
         (["{log}", "--columns", "t=t,t=rss", "--out", "{folder}/c.toml"], ["'t=rss'", "different keys"]),
         (["{log}", "--columns", "rss=power", "--out", "{folder}/c.toml"], ["'power'", "known: "]),
-        (["{log}", "--columns", "dist=t", "--out", "{folder}/c.toml"], ["distance"]),
+        (["{log}", "--columns", "dist=link", "--out", "{folder}/c.toml"], ["distance"]),
         (["{log}"], ["--out"]),
         (["--out", "{folder}/c.toml"], ["FIT"]),
     ],
@@ -135,6 +135,20 @@ def test_every_figure_shows_something(result):
     for link in result.fit.links:
         assert f'<th scope="row">{link}</th>' in page
     assert "a note" in page
+
+
+def test_dropped_rows_are_in_one_table(result):
+    record = dataclasses.replace(result.tested[0], reasons={"on the ground": 1234, "no RSS": 7}, dropped=1241)
+    changed = dataclasses.replace(result, tested=(record, *result.tested[1:]))
+    page, found = report.markup(changed), output.to_dict(changed)["dropped"]
+    assert '<th scope="col">on the ground</th>' in page and '<td data-value="1234">1,234</td>' in page
+    assert {
+        "log": record.source,
+        "link": record.link,
+        "used": 500,
+        "dropped": {"on the ground": 1234, "no RSS": 7},
+    } in found
+    assert sum(one["used"] for one in found) == sum(len(r.time_s) for r in (*result.fit.records, *result.tested))
 
 
 def test_names_from_outside_are_text(result, tmp_path):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rss_gym.calibration.fit import Fit, fit
+from rss_gym.calibration.links import separate
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.eval.studies.calibration.compare import EstimatorScore, compare
 from rss_gym.eval.studies.calibration.methods import Method, available
@@ -43,6 +44,15 @@ class Calibration:
     scores: dict[str, EstimatorScore]
     notes: tuple[str, ...]
 
+    @property
+    def dropped(self) -> list[tuple[str, str, int, dict[str, int]]]:
+        """Every link of every log: source, link, rows used, rows dropped by their reason."""
+        table: dict[tuple[str, str], tuple[int, dict[str, int]]] = {}
+        for record in (*self.fit.records, *self.tested):
+            used, _ = table.get((record.source, record.link), (0, {}))
+            table[record.source, record.link] = used + len(record.time_s), dict(record.reasons)
+        return [(source, link, used, reasons) for (source, link), (used, reasons) in table.items()]
+
 
 def calibrate(fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), notes: Sequence[str] = ()) -> Calibration:
     """Fit a channel, tune the estimators on the same records, and compare them on others.
@@ -66,6 +76,7 @@ def calibrate(fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), not
         cuts = [round(FITTED_SHARE * len(record.time_s)) for record in fitted]
         tested = [_part(record, slice(cut, None)) for record, cut in zip(fitted, cuts, strict=True)]
         fitted = [_part(record, slice(None, cut)) for record, cut in zip(fitted, cuts, strict=True)]
+    fitted, tested, renamed = separate(fitted, tested)
     found = fit(fitted)
     kept = tuple(record for record in tested if record.link not in found.excluded)
     if not kept:
@@ -73,7 +84,7 @@ def calibrate(fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), not
     methods = available([*found.records, *kept])
     tunings = tune(found, methods)
     scores = compare(found, kept, methods, tunings)
-    return Calibration(found, kept, own_logs, methods, tunings, scores, (*notes, *_notes(found, tested)))
+    return Calibration(found, kept, own_logs, methods, tunings, scores, (*notes, *renamed, *_notes(found, tested)))
 
 
 def _part(record: LogRecord, part: slice) -> LogRecord:

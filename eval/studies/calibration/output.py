@@ -110,6 +110,10 @@ def to_dict(result: Calibration) -> dict[str, Any]:
         },
         "methods": {name: _method(result, name) for name in result.methods},
         "excluded": fit.excluded,
+        "dropped": [
+            {"log": source, "link": link, "used": used, "dropped": reasons}
+            for source, link, used, reasons in result.dropped
+        ],
         "warnings": list(fit.warnings),
         "notes": list(result.notes),
     }

@@ -24,6 +24,7 @@ def markup(result: Calibration) -> str:
         Section("Ranges over time", _ranges(result)),
         Section("Path loss", _path_loss(result)),
         Section("Noise", _noise(result)),
+        Section("Rows", _rows(result)),
         Section("Run", _run(result)),
     ]
     return render("Calibration of a radio channel", _lead(result), sections)
@@ -119,6 +120,18 @@ def _noise(result: Calibration) -> str:
         + "<h3>Residual</h3>\n"
         + figures.residual(result)
     )
+
+
+def _rows(result: Calibration) -> str:
+    """What was used of each log, and what was not, by its reason."""
+    reasons = list(dict.fromkeys(reason for *_, dropped in result.dropped for reason in dropped))
+    rows = []
+    for source, link, used, dropped in result.dropped:
+        counts = [used, *(dropped.get(reason, 0) for reason in reasons)]
+        cells = [f'<td data-value="{count}">{count:,}</td>' if count else "<td></td>" for count in counts]
+        rows.append([f'<th scope="row">{text(source)}</th>', f"<td>{text(link)}</td>", *cells])
+    said = "No row was dropped." if not reasons else "A row counts under the first reason that it has."
+    return f'<p class="text">{said}</p>\n' + _table(["log", "link", "used", *reasons], rows)
 
 
 def _run(result: Calibration) -> str:

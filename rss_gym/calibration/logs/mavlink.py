@@ -5,148 +5,92 @@ from __future__ import annotations
 import mmap
 import re
 import struct
-from array import array
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from rss_gym.calibration.logs.geodesy import east_north_up_m, range_rate_mps
-from rss_gym.calibration.logs.record import ROWS_MAX, Floats, LogFile, LogRecord
+from rss_gym.calibration.logs.options import ReadOptions
+from rss_gym.calibration.logs.record import LogFile
+from rss_gym.calibration.logs.telemetry import Telemetry, sik_dbm
 from rss_gym.params import ParamsError
 
-GAP_MAX_S = 2.0  # between the positions on both sides of a radio report
-NEAREST_M = 1.0  # the reference distance of (2); an aircraft on its launch point says nothing about path loss
 _HEAD = struct.Struct(">Q")  # microseconds since 1970 before each packet
 _MAGIC = re.compile(b"[\xfd\xfe]")  # first byte of a packet, MAVLink 2 and 1
-_WANTED = ("RADIO", "RADIO_STATUS", "GLOBAL_POSITION_INT", "HOME_POSITION")
+_WANTED = ("RADIO", "RADIO_STATUS", "GLOBAL_POSITION_INT", "HOME_POSITION", "HEARTBEAT", "EXTENDED_SYS_STATE")
+_ARMED, _ON_GROUND, _IN_AIR = 128, 1, 2
+_GROUND_STATION, _NO_AUTOPILOT = 6, 8
+# A stamp of 2000 to 2100 in these units, in s; ground stations write microseconds.
+_STAMPS = ((9.4e14, 4.2e15, 1e-6), (9.4e11, 4.2e12, 1e-3), (9.4e8, 4.2e9, 1.0), (9.4e17, 4.2e18, 1e-9))
 
 
-def sik_dbm(raw: Floats) -> Floats:
-    """RSS of a SiK radio's 8-bit report: raw / 1.9 - 127 (ArduPilot's wiki); 0 and 255 say that there is none: NaN."""
-    return np.where((raw > 0.0) & (raw < 255.0), raw / 1.9 - 127.0, np.nan)
+def is_telemetry(head: bytes) -> bool:
+    """Whether a file may begin with a stamped packet."""
+    return len(head) > 8 and head[8] in b"\xfd\xfe"
 
 
-def read_telemetry(path: Path, columns: Mapping[str, str]) -> LogFile:
+def read_telemetry(path: Path, options: ReadOptions) -> LogFile:
     """Read a telemetry log (.tlog) that a ground station wrote.
 
-    Two links: `ground` is the RSS at the ground's radio (`rssi` of RADIO_STATUS or RADIO), `aircraft` that at the
-    aircraft's (`remrssi`). The aircraft is where GLOBAL_POSITION_INT says, between two messages on the straight line;
-    the ground station at the last HOME_POSITION, else where the aircraft first was.
+    Two links for each sender: `ground` is the RSS at the ground's radio (`rssi` of RADIO_STATUS or RADIO), `aircraft`
+    that at the aircraft's (`remrssi`). RADIO and RADIO_STATUS of one report are one. The aircraft is where
+    GLOBAL_POSITION_INT says, between two messages on the straight line; the ground station at the HOME_POSITION of that
+    time, else where the aircraft was first armed, else where it first was. The vertical velocity has the sign of the
+    altitude's change.
 
     Parameters
     ----------
     path : Path
         The file.
-    columns : mapping
-        Empty: these logs name their quantities themselves.
+    options : ReadOptions
+        Without columns: these logs name their quantities themselves.
 
     Raises
     ------
     ParamsError
         When pymavlink is not installed, or the file is not a telemetry log with radio reports and positions.
     """
-    if columns:
-        raise ParamsError(f"columns are for tables and do not apply to MAVLink logs, got {dict(columns)!r}")
-    flight = _Flight(path.name)
-    for time_s, message in _messages(path):
-        flight.take(time_s, message)
-    return flight.finish()
+    if options.columns:
+        raise ParamsError(f"columns are for tables and do not apply to MAVLink logs, got {dict(options.columns)!r}")
+    telemetry = Telemetry(path.name, "MAVLink telemetry log")
+    vehicles: Counter[tuple[int, int]] = Counter()
+    for number, time_s, message in _messages(path):
+        _take(telemetry, vehicles, number, time_s, message)
+    autopilots = {f"{system}" for system, _ in vehicles}
+    if autopilots & telemetry.positions.keys():  # a tracker or a ground station sends positions too
+        for system in telemetry.positions.keys() - autopilots:
+            count = len(telemetry.positions.pop(system)) // 8
+            telemetry.notes.append(f"{count} positions of system {system} left out: it is no autopilot")
+    return telemetry.file(options, ("RADIO_STATUS or RADIO", "GLOBAL_POSITION_INT"))
 
 
-class _Flight:
-    """What was taken from the messages of one log."""
-
-    def __init__(self, source: str) -> None:
-        self.source = source
-        self.reports = array("d")  # time, rssi, remrssi
-        self.positions = array("d")  # time, latitude, longitude, altitude, velocity east, north, up
-        self.home: tuple[float, float, float] | None = None
-        self.vehicles: set[int] = set()
-
-    def take(self, time_s: float, message: Any) -> None:
-        """Keep what is needed of one message; a position of 0, 0 stands for one that is not known."""
-        kind = message.get_type()
-        if kind in ("RADIO", "RADIO_STATUS"):
-            self.reports.extend((time_s, message.rssi, message.remrssi))
-        elif kind == "HOME_POSITION" and (message.latitude or message.longitude):
-            self.home = (message.latitude * 1e-7, message.longitude * 1e-7, message.altitude * 1e-3)
-        elif kind == "GLOBAL_POSITION_INT" and (message.lat or message.lon):
-            self.vehicles.add(message.get_srcSystem())
-            self.positions.extend((time_s, message.lat * 1e-7, message.lon * 1e-7, message.alt * 1e-3))
-            self.positions.extend((message.vy * 1e-2, message.vx * 1e-2, -message.vz * 1e-2))
-        if len(self.reports) > 3 * ROWS_MAX or len(self.positions) > 7 * ROWS_MAX:
-            raise ParamsError(f"log {self.source!r} has more than {ROWS_MAX:,} messages; split it")
-
-    def finish(self) -> LogFile:
-        """Both links, and what had to be assumed or left out."""
-        if not self.reports or not self.positions:
-            lacking = "RADIO_STATUS or RADIO" if not self.reports else "GLOBAL_POSITION_INT with a position"
-            raise ParamsError(f"log {self.source!r} holds no message {lacking}; both are needed")
-        if len(self.vehicles) > 1:
-            raise ParamsError(
-                f"log {self.source!r} holds positions of several vehicles, systems {sorted(self.vehicles)}; it must be "
-                "known which one the radio is on, so give a log with one"
-            )
-        reports = self._in_order("radio report", self.reports, 3)
-        positions = self._in_order("position", self.positions, 7)
-        notes = []
-        if self.home is None:
-            notes.append("no HOME_POSITION, so the ground station is taken to be at the aircraft's first position")
-        ground = np.array([self.home or positions[0, 1:4]])
-        track_m = east_north_up_m(positions[:, 1:4], ground)
-
-        at_s = reports[:, 0]
-        relative_m = _interpolated(at_s, positions[:, 0], track_m)
-        distance_m = np.linalg.norm(relative_m, axis=1)
-        usable = _bracketed(at_s, positions[:, 0]) & (distance_m >= NEAREST_M)
-        if not usable.all():
-            notes.append(
-                f"{np.sum(~usable)} of {usable.size} radio reports left out: nearer than {NEAREST_M:g} m to the ground "
-                f"station, or without positions at most {GAP_MAX_S:g} s apart before and after"
-            )
-        rate_mps = np.zeros(at_s.size)
-        relative_mps = _interpolated(at_s, positions[:, 0], positions[:, 4:])
-        rate_mps[usable] = range_rate_mps(relative_m[usable], relative_mps[usable])
-        records, rows, dropped = [], 0, 0
-        for link, raw in (("ground", reports[:, 1]), ("aircraft", reports[:, 2])):
-            rss_dbm = sik_dbm(raw)
-            keep = usable & (rss_dbm < 0.0)
-            lost = int(usable.sum() - keep.sum())
-            time_s = at_s[keep] - at_s[0]
-            records.append(LogRecord(link, self.source, time_s, rss_dbm[keep], distance_m[keep], rate_mps[keep], lost))
-            rows, dropped = rows + int(usable.sum()), dropped + lost
-        return LogFile(self.source, records, rows, dropped, tuple(notes))
-
-    def _in_order(self, what: str, values: array[float], width: int) -> Floats:
-        """The messages as rows; one that repeats the time before it is left out."""
-        table = np.frombuffer(values).reshape(-1, width)
-        step_s = np.diff(table[:, 0], prepend=-np.inf)
-        if (step_s < 0.0).any():
-            number = int(np.argmax(step_s < 0.0))
-            raise ParamsError(
-                f"log {self.source!r}: {what} {number + 1} is stamped {-step_s[number]:.6g} s before the previous one; "
-                "the stamps must increase"
-            )
-        return table[step_s > 0.0]
+def _take(telemetry: Telemetry, vehicles: Counter[tuple[int, int]], number: int, time_s: float, message: Any) -> None:
+    """Keep what is needed of one message."""
+    kind, system = message.get_type(), message.get_srcSystem()
+    if kind in ("RADIO", "RADIO_STATUS"):
+        rssi, remote = sik_dbm(np.array([message.rssi, message.remrssi], float)).tolist()
+        sender = f"{system}/{message.get_srcComponent()}"
+        # Both messages carry these fields; equal ones are one report.
+        mark = message.noise + 256.0 * (message.remnoise + 256.0 * (message.rxerrors + 65536.0 * message.fixed))
+        telemetry.report(sender, time_s, (rssi, remote), mark, number)
+    elif kind == "HOME_POSITION":
+        telemetry.homes.extend((time_s, message.latitude * 1e-7, message.longitude * 1e-7, message.altitude * 1e-3))
+    elif kind == "GLOBAL_POSITION_INT":
+        place = (message.lat * 1e-7, message.lon * 1e-7, message.alt * 1e-3)
+        velocity = (message.vy * 1e-2, message.vx * 1e-2, -message.vz * 1e-2)
+        telemetry.position(f"{system}", time_s, place, velocity, message.relative_alt * 1e-3)
+    elif kind == "EXTENDED_SYS_STATE" and message.landed_state in (_ON_GROUND, _IN_AIR):
+        telemetry.landed.extend((time_s, float(message.landed_state == _ON_GROUND)))
+    elif kind == "HEARTBEAT" and message.type != _GROUND_STATION and message.autopilot != _NO_AUTOPILOT:
+        vehicles[system, message.get_srcComponent()] += 1
+        telemetry.armed.extend((time_s, float(message.base_mode & _ARMED > 0)))
 
 
-def _interpolated(at_s: Floats, time_s: Floats, values: Floats) -> Floats:
-    return np.column_stack([np.interp(at_s, time_s, column) for column in values.T])
-
-
-def _bracketed(at_s: Floats, time_s: Floats) -> Any:
-    """Whether a time has a neighbour on both sides, these not too far apart."""
-    after = np.searchsorted(time_s, at_s)
-    inside = (after > 0) & (after < time_s.size)
-    later, earlier = np.minimum(after, time_s.size - 1), np.maximum(after - 1, 0)
-    return inside & (time_s[later] - time_s[earlier] <= GAP_MAX_S)
-
-
-def _messages(path: Path) -> Iterator[tuple[float, Any]]:
-    """The wanted messages of a telemetry log with their times, s; the file is mapped, not loaded.
+def _messages(path: Path) -> Iterator[tuple[int, float, Any]]:
+    """The wanted messages of a telemetry log, with their numbers in it and their times in s; it is mapped, not loaded.
 
     `pymavlink.mavutil` would read the same, but it decodes every message and changes environment variables.
     """
@@ -155,18 +99,20 @@ def _messages(path: Path) -> Iterator[tuple[float, Any]]:
         raise ParamsError(f"log {path.name!r} is empty; it must be a MAVLink telemetry log")
     wanted = {getattr(dialect, f"MAVLINK_MSG_ID_{name}") for name in _WANTED}
     parser = dialect.MAVLink(None)
-    found = False
+    count, scale = 0, 0.0
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
         for start, end, number in _packets(data):
-            found = True
+            count += 1
             if number not in wanted:
                 continue
             try:
                 message = parser.decode(bytearray(data[start:end]))
             except dialect.MAVError:  # damaged on its way
                 continue
-            yield _HEAD.unpack_from(data, start - _HEAD.size)[0] * 1e-6, message
-    if not found:
+            stamp = _HEAD.unpack_from(data, start - _HEAD.size)[0]
+            scale = scale or next((factor for low, high, factor in _STAMPS if low <= stamp <= high), 1e-6)
+            yield count, stamp * scale, message
+    if not count:
         raise ParamsError(f"log {path.name!r} is not a MAVLink telemetry log (.tlog): it holds no packet")
 
 

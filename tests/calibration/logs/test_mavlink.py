@@ -112,11 +112,11 @@ def test_invalid_reports_are_dropped_and_counted(log):
     found = read(log(writer.content), format="mavlink")
     assert [item.dropped for item in found] == [1, 1]
     assert [item.time_s.size for item in found] == [41, 41]
-    assert found.notes == ("log 'flight.tlog': 2 of 84 rows dropped",)
-    for k in range(3):
-        writer.report(41.0 + k / 4, 0, 150)
+    assert found.notes == ("log 'flight.tlog': 2 of 84 rows dropped: 2 × no RSS (message 363)",)
+    for k in range(90):
+        writer.report(41.0 + k / 4, 0, 0)
         writer.position(41.1 + k / 4, 184.0 + k)
-    with pytest.raises(ParamsError, match="5 of 90 rows"):
+    with pytest.raises(ParamsError, match=r"182 of 264 rows .*cannot be used, at most 50%"):
         read(log(writer.content), format="mavlink")
 
 
@@ -131,7 +131,7 @@ def test_reports_without_positions_about_them_are_left_out(log):
     found = read(log(writer.content), format="mavlink")
     assert [item.time_s.size for item in found] == [40, 40]
     np.testing.assert_allclose(found[0].time_s[0], 5.35, atol=1e-6)
-    assert "3 of 43 radio reports left out" in found.notes[0]
+    assert "6 of 86 rows dropped: 6 × no position near in time" in found.notes[0]
 
 
 def test_truncated_and_damaged_logs_give_what_is_whole(log):
@@ -166,10 +166,8 @@ def test_packet_with_a_wrong_checksum_is_ignored(log):
         (lambda writer: (writer.content.clear(), writer.report(0.0, 9, 9)), "no message GLOBAL_POSITION_INT"),
         (
             lambda writer: writer.position(50.0, 9.0, sender=dialect.MAVLink(None, srcSystem=2)),
-            r"several vehicles, systems \[1, 2\]",
+            r"several vehicles, systems 1, 2",
         ),
-        (lambda writer: writer.report(39.0, 90, 90), "radio report 41 is stamped 0.35 s before"),
-        (lambda writer: writer.position(39.0, 90), "position 161 is stamped 0.75 s before"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(log, change, sentence):

@@ -1,0 +1,65 @@
+"""How a log is to be read where it does not say so itself."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rss_gym.params import ParamsError, suggestion
+
+TIME_UNITS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a user may say about logs.
+
+    Parameters
+    ----------
+    columns : mapping of str to str
+        What is in which column of a table or field of a bag, see `rss_gym.calibration.logs.columns.NAMES`.
+    time_unit : str, optional
+        s, ms, us or ns; by default it is found.
+    melt : str, optional
+        For tables with a column for each link: `*` to find these columns, or patterns such as `rss=rss_*,dist=d_*`
+        whose star is the link's name.
+    truth : path, optional
+        Table with the true distances or positions over the same clock.
+    offset_db : float
+        Added to every RSS: for receivers that report a power relative to an unknown level.
+    station : tuple of 3 floats, optional
+        Where the fixed end is: latitude, longitude in degrees and altitude in m, or x, y, z in m.
+    from_s, to_s : float
+        The rows used, in s after the first of each file.
+    whole : bool
+        Use rows on the ground and while not armed too.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    time_unit: str | None = None
+    melt: str | None = None
+    truth: str | os.PathLike[str] | None = None
+    offset_db: float = 0.0
+    station: tuple[float, float, float] | None = None
+    from_s: float = -math.inf
+    to_s: float = math.inf
+    whole: bool = False
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a log.
+
+        Raises
+        ------
+        ParamsError
+            For an unknown unit, a number that is not finite, or an empty span of time.
+        """
+        if self.time_unit is not None and self.time_unit not in TIME_UNITS:
+            raise ParamsError(f"time unit {self.time_unit!r} is unknown{suggestion(self.time_unit, TIME_UNITS)}")
+        if not (math.isfinite(self.offset_db) and abs(self.offset_db) <= 1000.0):
+            raise ParamsError(f"offset_db must lie in [-1000, 1000], got {self.offset_db!r}")
+        if not self.from_s < self.to_s:
+            raise ParamsError(f"--from must lie before --to, got {self.from_s:g} and {self.to_s:g} s")
+        if self.station is not None and not (len(self.station) == 3 and all(map(math.isfinite, self.station))):
+            raise ParamsError(f"station must be three finite numbers, got {self.station!r}")
