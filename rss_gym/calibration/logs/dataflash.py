@@ -64,9 +64,8 @@ def read_dataflash(path: Path, options: ReadOptions) -> LogFile:
             what = f"near message {number} of {', '.join(_KINDS)}: {type(error).__name__}"
             raise ParamsError(f"log {path.name!r} is a damaged DataFlash log, {what}") from error
         finally:
-            for file in (getattr(log, "data_map", None), getattr(log, "filehandle", None)):
-                if file is not None:
-                    file.close()
+            if hasattr(log, "filehandle"):
+                log.filehandle.close()
     _positions(telemetry, places, fixes)
     if not telemetry.reports and receiver:
         telemetry.links = ("receiver", "none")
