@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
@@ -14,6 +15,7 @@ import gymnasium as gym
 import numpy as np
 
 from rss_gym import encounters, observation, world
+from rss_gym.encounters.sampler import STAGGER_S
 from rss_gym.jit import announce, kernel
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.physics.motion import clip
@@ -123,7 +125,7 @@ class Batch:
         self.seeds[mask], self.numbers[mask], self.split[mask] = seeds, 0, SPLITS["train"]
 
     def apply_options(self, options: Mapping[str, Any], mask: np.ndarray) -> None:
-        """Apply reset options that `checked_options` has returned to the rows of `mask`."""
+        """Apply reset options that `checked_options` has returned to the next reset of the rows of `mask`."""
         if "split" in options:
             self.split[mask] = SPLITS[options["split"]]
         if "episode" in options:
@@ -138,6 +140,7 @@ class Batch:
                 "and start range; widen cruise speeds, closing_min_mps or time_to_approach_max_s"
             )
         self.numbers[mask] += np.uint64(1)
+        self.split[mask] = SPLITS["train"]  # a split is chosen for one episode: no later one strays into the suite
         self.rewards[mask] = 0.0
         self.started |= mask
 
@@ -165,6 +168,19 @@ class Batch:
 def discrete_actions(params: Params) -> int:
     """How many of `DISCRETE_ACTIONS` there are in this world."""
     return 9 if params.encounter.planar else len(DISCRETE_ACTIONS)
+
+
+def longest_episode(params: Params) -> int:
+    """Decisions that no episode of this world exceeds: from the longest planned approach, and the tail after it."""
+    encounter, clock = params.encounter, params.clock
+    laws = encounters.records(encounter)
+    start_m = encounter.start_range_max * encounter.start_range_unit_m
+    approach_s = min(start_m / encounter.closing_min_mps, encounter.time_to_approach_max_s)
+    if laws["merging"].any():
+        approach_s += (encounter.intruders - 1) * STAGGER_S
+    drawn_s = 0.0 if laws["scripted"].all() else approach_s + clock.tail_max_s
+    decision_s = clock.ticks_per_decision * clock.tick_s
+    return max(math.ceil(max(drawn_s, laws["end_s"].max()) / decision_s - 1e-9), 1)
 
 
 def spaces(params: Params) -> tuple[gym.spaces.Box, gym.Space[Any]]:

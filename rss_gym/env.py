@@ -6,8 +6,10 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 
-from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_options, checked_seed, decode, spaces
+from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_options, checked_seed, decode, longest_episode, spaces
+from rss_gym.ids import bounded
 from rss_gym.params import Params
 from rss_gym.render.painter import RENDER_FPS, Painter
 from rss_gym.state import EPISODE
@@ -143,7 +145,8 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     All aircraft are on their predefined trajectories, the intruders about 130-190 m away, drawn from the families of
     encounters; about 40 % of encounters collide if nobody acts. `reset(seed=s)` starts episode 0 of seed s; every later
     `reset()` the next one. `reset(options={"split": "suite", "episode": k})` replays any episode of a split (`train`,
-    `validation`, `suite`).
+    `validation`, `suite`). A split holds for the episode that this reset starts; a later `reset()` without it starts
+    the next number of split `train`.
 
     ## Episode end
 
@@ -166,6 +169,8 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": RENDER_FPS}  # noqa: RUF012
 
+    _spec: EnvSpec | None = None
+
     def __init__(self, params: Params | dict[str, Any] | None = None, render_mode: str | None = None, **keywords: Any):
         self.params = Params.of(params, **keywords)
         self.batch = Batch(self.params, 1)
@@ -173,6 +178,15 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         self.observation_space, self.action_space = spaces(self.params)
         self.painter = Painter(render_mode, self.metadata)
         self.render_mode = render_mode
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """What `gymnasium.make` made this of; no episode of this world is longer than its `max_episode_steps`."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, value: EnvSpec | None) -> None:
+        self._spec = bounded(value, longest_episode(self.params))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -213,7 +227,13 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         return batch.observations[0].copy(), batch.rewards.item(), terminated, truncated, self._info(values)
 
     def render(self) -> np.ndarray | None:
-        """The current frame: an array (H, W, 3) for `rgb_array`, None for `human`."""
+        """The current frame: an array (H, W, 3) for `rgb_array`, None for `human`.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first reset.
+        """
         return self.painter.render(self.batch)
 
     def close(self) -> None:

@@ -10,6 +10,10 @@ class ParamsError(ValueError):
     """A parameter that is unknown, of the wrong type, out of its range, or in contradiction with another."""
 
 
+class UnknownParamError(ParamsError, TypeError):
+    """A keyword that is no parameter. Other libraries try keywords of their own, and look for a TypeError."""
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """End of an error sentence about an unknown name: the nearest known one and the list of all."""
     names = sorted(known)

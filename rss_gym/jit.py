@@ -1,18 +1,20 @@
 """The one decorator that compiles the package's numerical kernels.
 
-Numba's own on-disk cache is keyed by the source of the decorated function, so
-it keeps stale machine code when a *callee* in another file is edited.  Here the
-cache folder is named by a digest of every source file of the package instead.
+Numba's own on-disk cache is keyed by the place and time of the decorated function's file, so
+it keeps stale machine code when a *callee* in another file is edited, and compiles anew what a
+fresh checkout holds.  Here the cache folder is named by a digest of every source file of the
+package instead.
 """
 
 import functools
 import hashlib
 import os
 import sys
-import tempfile
 from pathlib import Path
 
 import numba
+
+from rss_gym import kernel_cache
 
 __all__ = ["announce", "cache_dir", "inner", "kernel"]
 
@@ -20,36 +22,13 @@ __all__ = ["announce", "cache_dir", "inner", "kernel"]
 _WITHOUT_KERNELS = {
     (name,)
     for name in (
-        *("calibration", "eval", "train", "render", "pages", "commands", "testing"),
-        *("arguments.py", "cli.py", "errors.py", "extend.py", "files.py", "listing.py", "registry.py"),
+        *("calibration", "commands", "eval", "pages", "render", "testing", "train"),
+        *("__main__.py", "arguments.py", "cli.py", "demo.py", "env.py", "errors.py", "extend.py", "files.py"),
+        *("listing.py", "registry.py", "rows.py", "sb3.py", "vector.py"),
     )
 }
 # The entry point for C is of no use here and takes time to compile.
-_OPTIONS = {"cache": True, "fastmath": False, "error_model": "numpy", "no_cfunc_wrapper": True}
-
-
-def _candidates():
-    """Yield folders that may hold the cache, best first."""
-    home = Path(os.path.expanduser("~"))
-    if os.environ.get("NUMBA_CACHE_DIR"):
-        yield Path(os.environ["NUMBA_CACHE_DIR"])
-    elif sys.platform == "win32":
-        yield Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
-    else:
-        yield Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
-    # One folder per user: the temporary folder is shared, and a cache is code.
-    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "")
-    yield Path(tempfile.gettempdir()) / f"cache-{user}"
-
-
-def _writable(folder):
-    """Create ``folder`` if needed and say whether files can be made in it."""
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
+_OPTIONS = {"fastmath": False, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def _digest(root):
@@ -79,16 +58,19 @@ def cache_dir(root):
 
     Returns
     -------
-    str
+    pathlib.Path or None
         ``<user cache>/<package name>/<digest>``.  The user cache is
         ``$NUMBA_CACHE_DIR``, else ``$XDG_CACHE_HOME``, else ``~/.cache``
-        (``%LOCALAPPDATA%`` on Windows); if that cannot be written, a per-user
-        folder in the temporary directory.  The folder is created.  The
-        result is computed once per process and root.
+        (``%LOCALAPPDATA%`` on Windows); if that cannot be used, a per-user
+        folder in the temporary directory; None if that cannot be used either.
+        The folder is created.  The result is computed once per process and root.
     """
-    tail = Path(root.stem) / _digest(root)
-    folders = [base / tail for base in _candidates()]
-    return str(next(filter(_writable, folders), folders[-1]))
+    return kernel_cache.find(Path(root.stem) / _digest(root))
+
+
+@functools.cache
+def _turn(folder):
+    return kernel_cache.Turn(folder)
 
 
 def _root_of(function):
@@ -102,11 +84,12 @@ def _root_of(function):
 @functools.cache
 def announce(root):
     """Say once per process, on standard error, why the first call takes long, if nothing is compiled yet."""
-    if not any(Path(cache_dir(root)).rglob("*.nbi")):
-        print("rss_gym: compiling its kernels for this machine, once per version (about 20 s)", file=sys.stderr)
+    folder = cache_dir(root)
+    if not numba.config.DISABLE_JIT and (folder is None or not any(folder.rglob("*.nbi"))):
+        kernel_cache.tell("compiling its kernels for this machine, once per version (about 20 s)")
 
 
-def kernel(function=None, **options):
+def kernel(function=None, *, cache=True, **options):
     """Compile a function with Numba under the package's numerical rules.
 
     ``fastmath`` is off (no reordering, no fused multiply-add), division
@@ -116,6 +99,8 @@ def kernel(function=None, **options):
     ----------
     function : callable, optional
         The function, when used as ``@kernel``.
+    cache : bool
+        Keep the machine code on disk.
     **options
         Further options of :func:`numba.njit`, when used as
         ``@kernel(inline="always")``.
@@ -126,15 +111,18 @@ def kernel(function=None, **options):
         The Numba dispatcher (or the plain function if ``NUMBA_DISABLE_JIT=1``).
     """
     if function is None:
-        return functools.partial(kernel, **options)
-    # Numba reads the setting while it decorates; other users of Numba in the
-    # process must not notice.
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = cache_dir(_root_of(function))
-    try:
-        return numba.njit(**{**_OPTIONS, **options})(function)
-    finally:
-        numba.config.CACHE_DIR = before
+        return functools.partial(kernel, cache=cache, **options)
+    dispatcher = numba.njit(**{**_OPTIONS, **options})(function)
+    folder = cache_dir(_root_of(function)) if cache and dispatcher is not function else None
+    if folder is not None:
+        turn, compile_ = _turn(folder), dispatcher.compile
+
+        def compile(signature):
+            with turn.scope():
+                return compile_(signature)
+
+        dispatcher._cache, dispatcher.compile = kernel_cache.KernelCache(function, folder, turn), compile
+    return dispatcher
 
 
 def inner(function=None, **options):

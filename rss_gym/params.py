@@ -21,7 +21,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from rss_gym.errors import ParamsError, suggestion
+from rss_gym.errors import ParamsError, UnknownParamError, suggestion
 from rss_gym.registry import Registry
 from rss_gym.streams import MAX_INTRUDERS
 
@@ -99,6 +99,23 @@ def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     return [_plain(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def refuse_keywords(where: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse keywords of a call that are not among the known ones, in the words that Python itself uses.
+
+    Raises
+    ------
+    UnknownParamError
+        For the first such keyword.
+    """
+    names = list(known)
+    for name in given:
+        if name not in names:
+            raise UnknownParamError(
+                f"got an unexpected keyword argument {name!r}: {where} has no parameter {name!r}"
+                f"{suggestion(name, names)}"
+            )
 
 
 def _refuse_unknown(where: str, given: Iterable[str], known: Iterable[str]) -> None:
@@ -492,11 +509,13 @@ class Params(Group):
 
         Raises
         ------
+        UnknownParamError
+            For an unknown name (with the nearest known one).
         ParamsError
-            For an unknown name (with the nearest known one), a wrong type or range, or a contradiction.
+            For a wrong type or range, or a contradiction.
         """
         base = params if isinstance(params, Params) else cls.from_dict(params) if params is not None else cls()
-        _refuse_unknown("rss_gym", keywords, [*_OWNER, "channel"])
+        refuse_keywords("rss_gym", keywords, [*_OWNER, "channel"])
         changes: dict[str, Any] = {}
         if "channel" in keywords:
             changes["channels"] = _channels(keywords.pop("channel"))

@@ -5,70 +5,137 @@ Needs the extra `train`; nothing else imports this module.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import functools
+import importlib
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 
-from rss_gym.core import INFO, SEED_LIMIT, Batch, checked_options, checked_seed, decode, spaces
-from rss_gym.ids import IDS
+from rss_gym.core import SEED_LIMIT, Batch, checked_options, checked_seed, decode, spaces
+from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.render.painter import RENDER_FPS, Painter
+from rss_gym.rows import INFOS, StepLimit, EnvRows, count_of_rows
 
 try:
-    from stable_baselines3.common.vec_env import VecEnv
+    from stable_baselines3.common import env_util
+    from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 except ImportError as error:
     raise ImportError("rss_gym.sb3 needs Stable-Baselines3: pip install 'rss-gym[train]'") from error
 
-_INFO = (*INFO, "is_success")
+_OF_CLASS = ("every_info",)  # keywords of `EncounterVecEnv` that are none of the environment
 
 
-def make_vec_env(id: str, n_envs: int = 256, seed: int | None = None, **keywords: Any) -> EncounterVecEnv:
-    """A `VecEnv` of `n_envs` encounters on one batch.
+def make_vec_env(
+    env_id: str | EnvSpec | Callable[..., gym.Env[Any, Any]],
+    n_envs: int = 1,
+    seed: int | None = None,
+    start_index: int = 0,
+    monitor_dir: str | None = None,
+    wrapper_class: Callable[..., gym.Env[Any, Any]] | None = None,
+    env_kwargs: Mapping[str, Any] | None = None,
+    vec_env_cls: type[VecEnv] | None = None,
+    vec_env_kwargs: Mapping[str, Any] | None = None,
+    monitor_kwargs: Mapping[str, Any] | None = None,
+    wrapper_kwargs: Mapping[str, Any] | None = None,
+    **keywords: Any,
+) -> VecEnv:
+    """A monitored `VecEnv`, with the arguments of Stable-Baselines3's function of this name.
+
+    Encounters run side by side on one batch, which is many times as fast as environments one by one. Where that cannot
+    be (roads, a callable, `wrapper_class`, `vec_env_cls`, a spec with wrappers, or an option of the monitor other than
+    `info_keywords`) this is SB3's own function over `gymnasium.make`.
 
     Parameters
     ----------
-    id : str
-        A registered id, such as `rss_gym/Encounter-v0`.
+    env_id : str, EnvSpec or callable
+        A registered id, such as `rss_gym/Encounter-v0`, also as `module:id`; a spec; or what makes an environment.
     n_envs : int
-        Number of rows, at least 1.
+        Number of rows, at least 1. A batch costs hardly more per decision of 256 rows than of 64.
     seed : int, optional
-        Row i gets seed + i at its first reset, as in `gymnasium.make_vec`; None draws them.
+        EnvRow i gets seed + i at its first reset, as in `gymnasium.make_vec`; None draws them.
+    start_index : int
+        Number in the name of the monitor's file.
+    monitor_dir : str, optional
+        Folder for the monitor's file; without it, only the infos tell return and length of the episodes.
+    wrapper_class, wrapper_kwargs, vec_env_cls
+        As SB3's function takes them.
+    env_kwargs : dict, optional
+        As `gymnasium.make` takes them: `params`, `render_mode`, `max_episode_steps`, any field of the parameters.
+    vec_env_kwargs : dict, optional
+        `every_info` of the class, or, with `vec_env_cls`, that class's.
+    monitor_kwargs : dict, optional
+        Such as `info_keywords=("collision",)`.
     **keywords
-        As in `gymnasium.make`: `params`, `render_mode`, any field of the parameters; and `every_info` of the class.
+        More of `env_kwargs`, and `every_info`.
 
     Raises
     ------
     ParamsError
-        For an unknown id or parameter.
+        For an unknown id, parameter or keyword.
     """
-    if id not in IDS:
-        raise ParamsError(f"environment {id!r} is unknown{suggestion(str(id), IDS)}")
-    environment = EncounterVecEnv(n_envs, **{**IDS[id], **keywords})
+    more, monitor = dict(vec_env_kwargs or {}), dict(monitor_kwargs or {})
+    found, world = _found(env_id), _merged("env_kwargs", env_kwargs, keywords)
+    count_of_rows("n_envs", n_envs)
+    is_plain = (
+        wrapper_class is None and vec_env_cls is None and not wrapper_kwargs and set(monitor) <= {"info_keywords"}
+    )
+    if found is None or not is_plain:
+        unknown = next((name for name in _OF_CLASS if name in world or name in more), None)
+        if unknown is not None:
+            raise ParamsError(f"{unknown} is for the batch, which cannot be used here: {_why(found, is_plain)}")
+        make: Any = functools.partial(gym.make, env_id) if isinstance(env_id, EnvSpec) else env_id
+        return env_util.make_vec_env(
+            make, n_envs, None if seed is None else checked_seed(seed), start_index, monitor_dir, wrapper_class, world,
+            vec_env_cls, more, monitor, dict(wrapper_kwargs or {}),
+        )  # fmt: skip
+    for name in more:
+        if name not in _OF_CLASS:
+            raise ParamsError(f"vec_env_kwargs has no {name!r} without a vec_env_cls{suggestion(name, _OF_CLASS)}")
+    environment = EncounterVecEnv(n_envs, **_merged("vec_env_kwargs", more, {**found, **world}))
+    environment.spec = env_id if isinstance(env_id, EnvSpec) else gym.spec(env_id)  # type: ignore[arg-type]
     if seed is not None:
         environment.seed(checked_seed(seed))
-    return environment
+    file = None
+    if monitor_dir is not None:
+        os.makedirs(monitor_dir, exist_ok=True)
+        file = os.path.join(monitor_dir, str(start_index))
+    return VecMonitor(environment, file, tuple(monitor.get("info_keywords", ())))
 
 
-class EnvRow:
-    """One environment of the batch, as `get_attr`, `set_attr` and `env_method` address it."""
+def _found(env_id: Any) -> dict[str, Any] | None:
+    """The keywords of an id's or spec's world; None where a batch cannot stand for it."""
+    if isinstance(env_id, EnvSpec):
+        if env_id.id not in IDS or env_id.additional_wrappers:
+            return None
+        limit = {} if env_id.max_episode_steps is None else {"max_episode_steps": env_id.max_episode_steps}
+        return {**limit, **env_id.kwargs}
+    if callable(env_id):
+        return None
+    module, colon, name = env_id.rpartition(":") if isinstance(env_id, str) else ("", "", "")
+    if colon:
+        try:
+            importlib.import_module(module)
+        except ImportError as error:
+            raise ParamsError(f"environment {env_id!r}: module {module!r} cannot be imported: {error}") from error
+    if name not in IDS and name not in ROADS:
+        raise ParamsError(f"environment {env_id!r} is unknown{suggestion(str(env_id), [*IDS, *ROADS])}")
+    return None if name in ROADS else IDS[name]
 
-    def __init__(self, owner: EncounterVecEnv, index: int) -> None:
-        """Row `index` of `owner`."""
-        self._owner, self._index = owner, index
-        self.params, self.render_mode = owner.params, owner.painter.mode
-        self.observation_space, self.action_space = owner.observation_space, owner.action_space
-        self.spec: Any = None
 
-    def info(self) -> dict[str, Any]:
-        """What `info` of a step holds, of the episode that runs."""
-        return {name: self._owner.batch.info(name)[self._index].item() for name in _INFO}
+def _merged(name: str, given: Mapping[str, Any] | None, keywords: Mapping[str, Any]) -> dict[str, Any]:
+    twice = next((key for key in given or {} if key in keywords), None)
+    if twice is not None:
+        raise ParamsError(f"{twice} is given twice, as a keyword and in {name}")
+    return {**(given or {}), **keywords}
 
-    def render(self) -> Any:
-        """The row's frame (H, W, 3), or None without a render mode."""
-        frames = self._owner.painter.render_all(self._owner.batch)
-        return None if frames is None else frames[self._index]
+
+def _why(found: Any, is_plain: bool) -> str:
+    return "other arguments ask for environments one by one" if found is not None else "this is no encounter's id"
 
 
 class EncounterVecEnv(VecEnv):
@@ -80,6 +147,8 @@ class EncounterVecEnv(VecEnv):
         Number of rows.
     params, render_mode, **keywords
         As in `rss_gym.env.EncounterEnv`; render mode `rgb_array` or None.
+    max_episode_steps : int, optional
+        Truncate an episode after so many steps.
     every_info : bool
         Fill `infos` of every row at every step. By default only the rows that end have them, which is what monitors
         and learners read; a dictionary a row and step costs more than the step.
@@ -96,17 +165,20 @@ class EncounterVecEnv(VecEnv):
         params: Params | dict[str, Any] | None = None,
         render_mode: str | None = None,
         every_info: bool = False,
+        max_episode_steps: int | None = None,
         **keywords: Any,
     ) -> None:
-        if isinstance(n_envs, bool) or not isinstance(n_envs, (int, np.integer)) or n_envs < 1:
-            raise ParamsError(f"n_envs must be a whole number >= 1, got {n_envs!r}")
+        n_envs = count_of_rows("n_envs", n_envs)
+        self.limit = StepLimit(max_episode_steps, n_envs)
         self.params, self.every_info = Params.of(params, **keywords), every_info
-        self.batch = Batch(self.params, int(n_envs))
-        self.painter = Painter(render_mode, {"render_modes": ["rgb_array"]}, int(n_envs))
+        self.batch = Batch(self.params, n_envs)
+        self.painter = Painter(render_mode, {"render_modes": ["rgb_array"]}, n_envs)
         self.observation_space, self.action_space = spaces(self.params)
-        self.rows = [EnvRow(self, index) for index in range(int(n_envs))]
-        super().__init__(int(n_envs), self.observation_space, self.action_space)
-        self.metadata: dict[str, Any] = {**self.metadata, "render_fps": RENDER_FPS}
+        self.metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": RENDER_FPS}
+        self.spec: EnvSpec | None = None
+        self._rows = EnvRows(self, n_envs, self.observation_space, self.action_space)
+        super().__init__(n_envs, self.observation_space, self.action_space)
+        self.metadata["render_fps"] = RENDER_FPS
         self._none, self._all = np.zeros(self.num_envs, bool), np.ones(self.num_envs, bool)
         self._actions: np.ndarray | None = None
 
@@ -127,8 +199,7 @@ class EncounterVecEnv(VecEnv):
         self._reset_seeds()
         self._reset_options()
         self._actions = None
-        self.batch.reset(self._all)
-        self.painter.restart(self.batch, self._all)
+        self._start(self._all)
         self.reset_infos = self._infos(self._all)
         return self.batch.observations.copy()
 
@@ -154,16 +225,16 @@ class EncounterVecEnv(VecEnv):
         batch.step(self._actions, self._all)
         self._actions = None
         self.painter.follow(batch, self._all)
+        self.limit.follow(self._all)
         rewards = batch.rewards.astype(np.float32)
-        terminated, truncated = episode["terminated"].copy(), episode["truncated"].copy()
+        terminated, truncated = episode["terminated"].copy(), episode["truncated"] | self.limit.reached
         dones = terminated | truncated
         infos = self._infos(self._all if self.every_info else dones)
         if dones.any():
             for row in np.flatnonzero(dones):
                 infos[row]["terminal_observation"] = batch.observations[row].copy()
                 infos[row]["TimeLimit.truncated"] = bool(truncated[row] and not terminated[row])
-            batch.reset(dones)
-            self.painter.restart(batch, dones)
+            self._start(dones)
         return batch.observations.copy(), rewards, dones, infos
 
     def close(self) -> None:
@@ -176,7 +247,7 @@ class EncounterVecEnv(VecEnv):
 
     def get_attr(self, attr_name: str, indices: int | Iterable[int] | None = None) -> list[Any]:
         """An attribute of each of the chosen rows; `params` is the world's."""
-        return [getattr(self.rows[index], attr_name) for index in self._get_indices(indices)]
+        return self._rows.get(attr_name, self._get_indices(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: int | Iterable[int] | None = None) -> None:
         """Set an attribute of the chosen rows.
@@ -186,16 +257,14 @@ class EncounterVecEnv(VecEnv):
         ParamsError
             For `params`: rows share one world, so another one needs another environment.
         """
-        if attr_name == "params":
-            raise ParamsError("params of a running environment cannot be set; make another one with the new params")
-        for index in self._get_indices(indices):
-            setattr(self.rows[index], attr_name, value)
+        chosen = list(self._get_indices(indices))
+        self._rows.set(attr_name, [value] * len(chosen), chosen)
 
     def env_method(
         self, method_name: str, *arguments: Any, indices: int | Iterable[int] | None = None, **keywords: Any
     ) -> list[Any]:
         """Call a method of each of the chosen rows, such as `info`."""
-        return [getattr(self.rows[index], method_name)(*arguments, **keywords) for index in self._get_indices(indices)]
+        return self._rows.call(method_name, self._get_indices(indices), *arguments, **keywords)
 
     def env_is_wrapped(
         self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: int | Iterable[int] | None = None
@@ -203,11 +272,16 @@ class EncounterVecEnv(VecEnv):
         """No row is wrapped."""
         return [False for _ in self._get_indices(indices)]
 
+    def _start(self, mask: np.ndarray) -> None:
+        self.batch.reset(mask)
+        self.limit.restart(mask)
+        self.painter.restart(self.batch, mask)
+
     def _infos(self, mask: np.ndarray) -> list[dict[str, Any]]:
         """A dictionary of its own for each row, as wrappers write into them; empty outside `mask`."""
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if mask.any():
-            columns = {name: self.batch.info(name)[mask].tolist() for name in _INFO}
+            columns = {name: self.batch.info(name)[mask].tolist() for name in INFOS}
             for position, row in enumerate(np.flatnonzero(mask)):
                 infos[row] = {name: values[position] for name, values in columns.items()}
         return infos

@@ -147,11 +147,11 @@ def test_attributes_and_methods():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"id": "rss_gym/Encounter-v9"}, "did you mean"),
-        ({"id": "rss_gym/Encounter-v0", "n_envs": 0}, "n_envs"),
-        ({"id": "rss_gym/Encounter-v0", "chanel": "paper"}, "chanel"),
-        ({"id": "rss_gym/Encounter-v0", "seed": -1}, "seed"),
-        ({"id": "rss_gym/Encounter-v0", "render_mode": "human"}, "render_mode"),
+        ({"env_id": "rss_gym/Encounter-v9"}, "did you mean"),
+        ({"env_id": "rss_gym/Encounter-v0", "n_envs": 0}, "n_envs"),
+        ({"env_id": "rss_gym/Encounter-v0", "chanel": "paper"}, "chanel"),
+        ({"env_id": "rss_gym/Encounter-v0", "seed": -1}, "seed"),
+        ({"env_id": "rss_gym/Encounter-v0", "render_mode": "human"}, "render_mode"),
     ],
 )
 def test_bad_input_is_one_sentence(arguments, words):

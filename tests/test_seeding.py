@@ -106,7 +106,7 @@ def test_options_are_not_kept_or_changed(make):
     env.reset()
     assert options == {"split": "suite", "episode": 4}
     env.reset(options={})
-    assert (env.batch.episode["number"] == 6).all()
+    assert (env.batch.episode["number"] == 6).all() and (env.batch.episode["split"] == 0).all()
 
 
 def test_first_reset_without_a_seed_differs():
@@ -231,8 +231,8 @@ def test_mask_touches_its_rows_only(mode):
         assert (infos["_min_separation_m"] == mask).all()
         assert (infos["min_separation_m"][mask] > 0).all()
         envs.step(envs.action_space.sample())
-    # Row 3 was on split `suite` and a seed led it back; row 1 stayed there.
-    assert envs.batch.episode["split"].tolist() == [0, 2, 0, 0]
+    # Rows 1 and 3 were on split `suite` for one episode.
+    assert envs.batch.episode["split"].tolist() == [0, 0, 0, 0]
 
 
 def test_masked_reset_of_a_row_that_has_ended():

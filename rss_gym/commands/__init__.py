@@ -24,6 +24,7 @@ COMMANDS: dict[str, str] = {
     "paper": "paper",
     "study": "study",
     "demo": "demo",
+    "warm": "warm",
 }
 
 

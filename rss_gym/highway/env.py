@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 
 from rss_gym.core import checked_seed
 from rss_gym.highway.config import check
 from rss_gym.highway.cost import Cost
 from rss_gym.highway.settings import mapping, prices
 from rss_gym.highway.wrapper import RssRanging
-from rss_gym.params import ParamsError, Zone, suggestion
+from rss_gym.ids import bounded
+from rss_gym.params import ParamsError, Zone, refuse_keywords, suggestion
 
 EXTRA = 'the roads need highway-env, which is not installed: pip install "rss-gym[highway]"'
 
@@ -43,6 +46,11 @@ class Scene:
     speed_relative_max_mps: float
     duration_s: float
     config: Mapping[str, Any]
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether the duration of the configuration ends an episode."""
+        return "duration" in self.config
 
     @property
     def zone(self) -> dict[str, Any]:
@@ -131,6 +139,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -146,9 +155,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ParamsError(f"render_mode must be one of {self.metadata['render_modes']}, got {render_mode!r}")
         known = set(RssRanging.__init__.__annotations__) - {"env", "return"}
-        for name in keywords:
-            if name not in known:
-                raise ParamsError(f"a road has no parameter {name!r}{suggestion(name, {*known, 'config', 'reward'})}")
+        refuse_keywords("a road", keywords, {*known, "config", "reward"})
         self.scene = SCENES[scene]
         kind = scene_class(self.scene)
         changes = {} if config is None else config
@@ -161,6 +168,17 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         self.params = self.ranging.params.replace(reward=priced)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """What `gymnasium.make` made this of; where the road has a duration, no episode exceeds `max_episode_steps`."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, value: EnvSpec | None) -> None:
+        config = self.road.config
+        longest = config["duration"] * config["policy_frequency"] if self.scene.is_timed else None
+        self._spec = value if longest is None else bounded(value, math.ceil(longest))
 
     @property
     def road(self) -> Any:

@@ -101,6 +101,21 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         """The environment of highway-env."""
         return self.env.unwrapped
 
+    @property
+    def config(self) -> dict[str, Any]:
+        """highway-env's configuration, as it is."""
+        return dict(self.base.config)
+
+    @property
+    def road(self) -> Any:
+        """highway-env's road, with its vehicles."""
+        return self.base.road
+
+    @property
+    def vehicle(self) -> Any:
+        """The agent's vehicle, of highway-env."""
+        return self.base.vehicle
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
