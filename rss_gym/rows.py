@@ -23,7 +23,7 @@ except ImportError:  # Gymnasium before 1.1
         DISABLED = "Disabled"
 
 
-__all__ = ["INFOS", "AutoresetMode", "StepLimit", "EnvRow", "EnvRows", "count_of_rows"]
+__all__ = ["INFOS", "AutoresetMode", "EnvRow", "EnvRows", "StepLimit", "count_of_rows"]
 
 INFOS = (*INFO, "is_success")  # the columns of `info`
 

@@ -19,7 +19,7 @@ from rss_gym.core import SEED_LIMIT, Batch, checked_options, checked_seed, decod
 from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.render.painter import RENDER_FPS, Painter
-from rss_gym.rows import INFOS, StepLimit, EnvRows, count_of_rows
+from rss_gym.rows import INFOS, EnvRows, StepLimit, count_of_rows
 
 try:
     from stable_baselines3.common import env_util

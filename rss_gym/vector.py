@@ -24,7 +24,7 @@ from rss_gym.core import (
 from rss_gym.ids import bounded
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.render.painter import RENDER_FPS, Painter
-from rss_gym.rows import INFOS, AutoresetMode, StepLimit, EnvRows, count_of_rows
+from rss_gym.rows import INFOS, AutoresetMode, EnvRows, StepLimit, count_of_rows
 
 _MODES = {mode.value: mode for mode in AutoresetMode}
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ else:
 class EncounterVectorEnv(_Base):
     """`num_envs` encounters side by side; see `rss_gym.env.EncounterEnv` for one of them.
 
-    EnvRow i of a reset with seed s is the single environment reset with seed s + i, bit for bit, through automatic resets.
+    Row i of a reset with seed s is the single environment reset with seed s + i, bit for bit, through automatic resets.
 
     Parameters
     ----------
