@@ -3,46 +3,113 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
+from typing import Any, NoReturn
 
+import rss_gym
 from rss_gym.commands import COMMANDS, load
+from rss_gym.params import ParamsError, suggestion
+from rss_gym.terminal import Terminated, guarded, of_machine, say
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns the exit status, 2 for bad input."""
-    given = sys.argv[1:] if arguments is None else list(arguments)
-    options = parser().parse_args(given, argparse.Namespace(given=given))
-    from rss_gym.params import ParamsError
+    """Run the command.
 
+    Returns
+    -------
+    int
+        0; 1 where the work failed or could not be printed, 2 for bad input, 130 after Ctrl-C, 143 after SIGTERM.
+    """
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    with guarded() as output:
+        status = _run(given)
+    if output.error is not None:
+        reason = getattr(output.error, "strerror", None) or output.error
+        say(f"the output could not be printed ({reason}); what the command writes to files is not concerned")
+        return status or 1
+    return status
+
+
+def _run(given: list[str]) -> int:
+    kept = "nothing was written"
     try:
-        status = options.run(options)
+        options = parser().parse_args(_asked(given), argparse.Namespace(given=given))
+        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+            say("NUMBA_DISABLE_JIT is set: the kernels run as plain Python, about a thousand times slower")
+        kept = options.kept
+        return int(options.run(options) or 0)
     except ParamsError as error:
-        print(f"rss-gym: {error}", file=sys.stderr)
+        say(str(error))
         return 2
+    except Terminated:
+        say(f"ended by SIGTERM; {kept}")
+        return 143
     except KeyboardInterrupt:
-        print("rss-gym: interrupted; nothing was written", file=sys.stderr)
+        say(f"interrupted; {kept}")
         return 130
     except Exception as error:
         from rss_gym.core import NotFiniteError
         from rss_gym.eval.episodes import PolicyError
 
-        if not isinstance(error, (NotFiniteError, PolicyError)):
+        sentence = str(error) if isinstance(error, (NotFiniteError, PolicyError)) else of_machine(error)
+        if sentence is None:
             raise
-        print(f"rss-gym: {error}", file=sys.stderr)
+        say(sentence)
         return 1
-    return int(status or 0)
 
 
-def parser() -> argparse.ArgumentParser:
+def _asked(given: list[str]) -> list[str]:
+    """The arguments with `help` for `--help`; a command that does not exist is refused with the nearest one."""
+    if not given or given == ["help"]:
+        return ["--help"]
+    command, *rest = given
+    if command == "help":
+        command, rest = rest[0], ["--help"]
+    if command not in COMMANDS and not command.startswith("-"):
+        raise ParamsError(f"command {command!r} is unknown{suggestion(command, COMMANDS)}")
+    return [command, *rest]
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one sentence, with the nearest option that exists."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does; an argument that is left over is named."""
+        options, left = self.parse_known_args(args, namespace)
+        if left:
+            name = left[0].partition("=")[0]
+            known = [option for option in self.options_of(options.command) if option.startswith("--")]
+            if not name.startswith("-"):
+                self.error(f"{options.command} takes no argument {name!r} here; see rss-gym {options.command} --help")
+            self.error(f"{options.command} has no option {name!r}{suggestion(name, known)}")
+        return options
+
+    def options_of(self, command: str) -> list[str]:
+        """The names of the options of a command."""
+        commands = next(a for a in self._actions if isinstance(a, argparse._SubParsersAction))
+        return list(commands.choices[command]._option_string_actions)
+
+    def error(self, message: str) -> NoReturn:
+        """Refuse the arguments."""
+        raise ParamsError(message if self.prog == "rss-gym" else f"{self.prog.removeprefix('rss-gym ')}: {message}")
+
+
+def parser() -> Parser:
     """The parser of the command line; loads nothing heavy."""
-    whole = argparse.ArgumentParser(
-        prog="rss-gym", description="UAV collision avoidance with ranges from radio signal strength."
+    whole = Parser(
+        prog="rss-gym",
+        description="UAV collision avoidance with ranges from radio signal strength.",
+        epilog="rss-gym help COMMAND describes a command and its options.",
+    )
+    whole.add_argument(
+        "--version", action="version", version=f"rss-gym {rss_gym.__version__}", help="print the version"
     )
     commands = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in COMMANDS:
         command = load(name)
-        part = commands.add_parser(name, help=command.HELP)
+        part = commands.add_parser(name, help=command.HELP, description=f"{command.HELP[0].upper()}{command.HELP[1:]}.")
         command.add(part)
-        part.set_defaults(run=command.run)
+        part.set_defaults(run=command.run, kept=getattr(command, "KEPT", "nothing was written"))
     return whole

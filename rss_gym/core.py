@@ -173,7 +173,7 @@ def discrete_actions(params: Params) -> int:
 def longest_episode(params: Params) -> int:
     """Decisions that no episode of this world exceeds: from the longest planned approach, and the tail after it."""
     encounter, clock = params.encounter, params.clock
-    laws = encounters.records(encounter)
+    laws = encounters.table(encounter)
     start_m = encounter.start_range_max * encounter.start_range_unit_m
     approach_s = min(start_m / encounter.closing_min_mps, encounter.time_to_approach_max_s)
     if laws["merging"].any():

@@ -1,7 +1,8 @@
 """The commands of `rss-gym`, one file each.
 
 A module defines `HELP`, one line; `add(parser)`, which declares its options; and `run(options)`, which carries the
-command out and returns its exit status (None is 0). What is heavy is imported in `run`, so that `rss-gym --help`
+command out and returns its exit status (None is 0); where an interrupted command has written something, `KEPT` says
+what. What is heavy is imported in `run`, so that `rss-gym --help`
 answers at once.
 """
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+KEPT = "the page has what was flown before, if it was asked for"
 HELP = "fly what the documents claim and show, and write their pages"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+KEPT = "what was compiled before is kept"
 HELP = "compile the kernels before they are needed, and say where they are kept"
 
 
