@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
 
 import rss_gym
@@ -39,7 +40,8 @@ def _run(given: list[str]) -> int:
         if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             say("NUMBA_DISABLE_JIT is set: the kernels run as plain Python, about a thousand times slower")
         kept = options.kept
-        return int(options.run(options) or 0)
+        with _results(options):
+            return int(options.run(options) or 0)
     except ParamsError as error:
         say(str(error))
         return 2
@@ -58,6 +60,21 @@ def _run(given: list[str]) -> int:
             raise
         say(sentence)
         return 1
+
+
+@contextlib.contextmanager
+def _results(options: argparse.Namespace) -> Iterator[None]:
+    """Hold the folder of the results, in place of an older one if that was asked for."""
+    from rss_gym.files import overwritten, reserved
+
+    name = getattr(options, "results", None)
+    out = getattr(options, name) if name else None
+    with contextlib.ExitStack() as stack:
+        if out is not None and options.overwrite:
+            stack.enter_context(overwritten(out))
+        if out is not None and options.hold:
+            stack.enter_context(reserved(out))
+        yield
 
 
 def _asked(given: list[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a command keeps from its terminal: output that cannot be printed never ends the work, and SIGTERM ends it in order."""
+"""A command and its terminal: output that cannot be printed ends no work, and SIGTERM ends it in order."""
 
 from __future__ import annotations
 

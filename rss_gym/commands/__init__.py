@@ -2,8 +2,7 @@
 
 A module defines `HELP`, one line; `add(parser)`, which declares its options; and `run(options)`, which carries the
 command out and returns its exit status (None is 0); where an interrupted command has written something, `KEPT` says
-what. What is heavy is imported in `run`, so that `rss-gym --help`
-answers at once.
+what. What is heavy is imported in `run`, so that `rss-gym --help` answers at once.
 """
 
 from __future__ import annotations

@@ -9,6 +9,8 @@ import os
 import re
 from typing import Any
 
+from rss_gym.commands.shared import add_out
+
 HELP = "a channel from radio logs, with range errors on a test"
 
 
@@ -27,7 +29,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--inspect", action="store_true", help="only say what the logs hold and what would be dropped")
     parser.add_argument("--out", metavar="FILE", help="channel to write, such as channel.toml")
-    parser.add_argument("--report", metavar="DIR", help="new folder for the page and calibration.json")
+    add_out(parser, "DIR", "new folder for the page and calibration.json", required=False, name="report")
     parser.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
     reading = parser.add_argument_group("reading", "where a log does not say so itself")
     reading.add_argument("--format", metavar="NAME", help="csv, mavlink, ...; default: told by the content")

@@ -6,7 +6,7 @@ import argparse
 import itertools
 import os
 
-from rss_gym.commands.shared import add_workers, count
+from rss_gym.commands.shared import add_out, add_workers, count
 
 HELP = "the rule of the paper over its radius beside other rules and learned agents, on two channels"
 EPISODES = 10_000
@@ -18,7 +18,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--episodes", type=count, default=EPISODES, metavar="N", help=f"encounters of a row (default: {EPISODES:,})"
     )
     add_workers(parser, default=2)
-    parser.add_argument("--out", metavar="DIR", help="new folder (default: runs/demo, or the next free number)")
+    add_out(parser, "DIR", "new folder (default: runs/demo, or the next free number)", required=False)
 
 
 def run(options: argparse.Namespace) -> None:

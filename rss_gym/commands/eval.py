@@ -9,7 +9,7 @@ import os
 import sys
 from typing import Any
 
-from rss_gym.commands.shared import add_channel, add_workers, count, see_modules_here
+from rss_gym.commands.shared import add_channel, add_out, add_workers, count, see_modules_here
 
 HELP = "score policies on the same encounters"
 
@@ -46,7 +46,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     add_workers(parser)
     parser.add_argument("--reference", metavar="NAME", help="policy that completed-only figures are compared with")
-    parser.add_argument("--out", required=True, metavar="DIR", help="new folder for scores and tables")
+    add_out(parser, "DIR", "new folder for scores and tables")
     parser.add_argument("--csv", action="store_true", help="write the tables as CSV too")
     parser.add_argument("--json", action="store_true", help="print scores.json instead of the table")
 

@@ -6,13 +6,15 @@ import argparse
 import os
 import sys
 
+from rss_gym.commands.shared import add_out
+
 HELP = "make a policy folder, which cannot run code"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of SB3")
-    parser.add_argument("--out", required=True, metavar="DIR", help="new folder for the policy")
+    add_out(parser, "DIR", "new folder for the policy")
     parser.add_argument("--env", metavar="ID", help="the id the .zip was trained in (default: rss_gym/Encounter-v0)")
     parser.add_argument("--algorithm", help="ppo, recurrent-ppo or sac (default: what the .zip looks like)")
     parser.add_argument(

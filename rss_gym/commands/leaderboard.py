@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 
+from rss_gym.commands.shared import add_out
+
 HELP = "one page of ranked tables from several records"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folders with scores.json")
-    parser.add_argument("--out", required=True, metavar="SITE", help="new folder for index.html and the records")
+    add_out(parser, "SITE", "new folder for index.html and the records")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 
+from rss_gym.commands.shared import add_out
+
 HELP = "every figure and number of the paper, beside what comes out"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--out", required=True, metavar="DIR", help="new folder for paper.json and index.html")
+    add_out(parser, "DIR", "new folder for paper.json and index.html")
     parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn (default: 0)")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
 

@@ -8,7 +8,24 @@ import sys
 
 from rss_gym.arguments import count
 
-__all__ = ["add_channel", "add_workers", "count", "see_modules_here"]
+__all__ = ["add_channel", "add_out", "add_workers", "count", "see_modules_here"]
+
+
+def add_out(
+    parser: argparse.ArgumentParser,
+    metavar: str,
+    text: str,
+    required: bool = True,
+    name: str = "out",
+    hold: bool = True,
+) -> None:
+    """The option of the folder for the results, `--out` or another name, and `--overwrite`.
+
+    The command line holds the folder while the command runs, unless `hold` is false.
+    """
+    parser.add_argument(f"--{name}", required=required, metavar=metavar, help=text)
+    parser.add_argument("--overwrite", action="store_true", help="replace an older folder of that name")
+    parser.set_defaults(results=name, hold=hold)
 
 
 def add_channel(parser: argparse.ArgumentParser) -> None:

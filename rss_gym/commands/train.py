@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rss_gym.commands.shared import add_channel, add_workers, count
+from rss_gym.commands.shared import add_channel, add_out, add_workers, count
 
 HELP = "train agents by a recipe, or go on with a run"
 
@@ -29,7 +29,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="change the recipe, such as algorithm.learning_rate=3e-4 world.comfort_m=30",
     )
-    parser.add_argument("--out", metavar="RUN", help="new folder for the run")
+    add_out(parser, "RUN", "new folder for the run", required=False, hold=False)  # the run has a lock of its own
 
 
 def run(options: argparse.Namespace) -> int:
