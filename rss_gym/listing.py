@@ -1,6 +1,8 @@
 """What there is to choose from, for `rss-gym list`."""
 
+import dataclasses
 from collections.abc import Iterator
+from typing import Any
 
 from rss_gym.baselines import describe, road
 from rss_gym.encounters import FAMILIES, MIXED
@@ -8,7 +10,8 @@ from rss_gym.eval.road import SUITES as ROAD_SUITES
 from rss_gym.eval.suites import SUITES
 from rss_gym.highway.env import SCENES
 from rss_gym.ids import IDS, ROADS
-from rss_gym.params import CHANNELS
+from rss_gym.meanings import MEANINGS
+from rss_gym.params import CHANNELS, Channel, Params
 from rss_gym.train.recipe import load, recipes
 from rss_gym.train.road import recipe as road_recipe
 
@@ -38,3 +41,39 @@ def listing() -> dict[str, dict[str, str]]:
 
 def _road_recipes() -> Iterator[tuple[str, road_recipe.RoadRecipe]]:
     return ((name, road_recipe.load(name)) for name in road_recipe.recipes())
+
+
+UNITS = {
+    "_mps2": "m/s^2", "_mps": "m/s", "_m2": "m^2", "_m": "m", "_s": "s", "_dbm": "dBm", "_db2": "dB^2", "_db": "dB",
+}  # fmt: skip
+
+
+def parameters(wanted: str = "") -> list[dict[str, Any]]:
+    """Name, group, default, unit, range and meaning of the parameters with `wanted` in their name, group or meaning.
+
+    Those of the group `channel` are the columns of a channel; the others are keywords of `gymnasium.make`.
+    """
+    found = []
+    groups = {item.name: item.default_factory for item in dataclasses.fields(Params) if item.name != "channels"}
+    for group, kind in [*groups.items(), ("channel", Channel)]:
+        for item in dataclasses.fields(kind):
+            row = {
+                "name": item.name,
+                "group": group,
+                "default": item.default,
+                "unit": next((unit for end, unit in UNITS.items() if item.name.endswith(end)), ""),
+                "range": _range(item),
+                "meaning": MEANINGS[item.name],
+            }
+            if any(wanted.lower() in row[part].lower() for part in ("name", "group", "meaning")):
+                found.append(row)
+    return found
+
+
+def _range(item: dataclasses.Field[Any]) -> str:
+    """The values that a parameter may have."""
+    if "known" in item.metadata:
+        return ", ".join(item.metadata["known"])
+    if "low" in item.metadata:
+        return f"{item.metadata['low']:g} to {item.metadata['high']:g}"
+    return "true, false" if isinstance(item.default, bool) else "see rss-gym list"

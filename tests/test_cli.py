@@ -137,3 +137,29 @@ def test_a_folder_below_a_file_is_refused(capsys, tmp_path):
 def test_help_needs_nothing_heavy():
     code = "import sys; from rss_gym.cli import parser; parser(); assert 'numba' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_every_parameter_has_a_meaning_and_a_line(capsys):
+    from rss_gym.listing import parameters
+    from rss_gym.meanings import MEANINGS
+
+    assert {row["name"] for row in parameters()} == set(MEANINGS)
+    status, out, _ = run(capsys, "params")
+    assert status == 0 and all(f"  {name} " in out for name in MEANINGS)
+    for row in parameters():
+        assert row["range"]
+        assert row["unit"] or not row["name"].endswith(("_m", "_s", "_mps", "_db", "_dbm"))
+
+
+@pytest.mark.parametrize("word", ["collision_m", "Tc", "wander", "zone", "fused"])
+def test_parameters_with_a_word(capsys, word):
+    status, out, _ = run(capsys, "params", word)
+    lines = [line for line in out.splitlines() if line.startswith("  ")]
+    assert status == 0 and 0 < len(lines) < 30
+    rows = json.loads(run(capsys, "params", word, "--json")[1])
+    assert len(rows) == len(lines) and {"name", "default", "unit", "range", "meaning"} <= set(rows[0])
+
+
+def test_no_such_parameter(capsys):
+    status, out, err = run(capsys, "params", "colision_m")
+    assert status == 2 and not out and "did you mean 'collision_m'" in err

@@ -154,7 +154,9 @@ def test_streams_that_were_never_open(tmp_path, descriptors):
 
 @pytest.mark.parametrize("encoding", ["cp1250", "ascii", "latin-1"])
 def test_a_terminal_that_does_not_know_a_character(encoding):
-    process = started(code="print('σ² ≤ 1 – fertig')", env={**os.environ, "PYTHONIOENCODING": encoding}, errors="replace")
+    process = started(
+        code="print('σ² ≤ 1 – fertig')", env={**os.environ, "PYTHONIOENCODING": encoding}, errors="replace"
+    )
     out, err = process.communicate(timeout=60)
     assert process.returncode == 0 and not err and "fertig" in out
 

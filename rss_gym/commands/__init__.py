@@ -14,6 +14,7 @@ from typing import Protocol
 # Name of the command -> module in this package, in the order of the help.
 COMMANDS: dict[str, str] = {
     "list": "listing",
+    "params": "params",
     "eval": "eval",
     "verify": "verify",
     "leaderboard": "leaderboard",
