@@ -88,14 +88,16 @@ def test_splits_differ(make):
     }
 
 
-def test_split_lasts_until_the_next_seed(make):
+@pytest.mark.parametrize("split", ["validation", "suite"])
+@pytest.mark.parametrize("options", [{}, {"episode": 5}])
+def test_a_split_holds_for_one_episode(make, split, options):
+    """No later reset, an automatic one neither, strays into the episodes of the tests."""
     env, other = make(), make()
-    env.reset(seed=0, options={"split": "suite"})
+    env.reset(seed=0, options={"split": split, **options})
+    assert (env.batch.episode["split"] == {"validation": 1, "suite": 2}[split]).all()
+    number = int(env.batch.episode["number"][0])
     env.reset()
-    other.reset(seed=0, options={"split": "suite", "episode": 1})
-    assert key(env) == key(other)
-    env.reset(seed=0)
-    other.reset(seed=0, options={"split": "train"})
+    other.reset(seed=0, options={"split": "train", "episode": number + 1})
     assert key(env) == key(other)
 
 
