@@ -38,6 +38,7 @@ __all__ = [
     "Policy",
     "able",
     "describe",
+    "folder_of",
     "informed",
     "is_code",
     "is_folder",
@@ -46,6 +47,7 @@ __all__ = [
     "parse",
 ]
 
+RUN_AGENT = "agent"  # where a run keeps its policy
 PICKLED = (".zip", ".pkl", ".pt", ".pth")  # files whose reading runs code from them
 
 _SHIPPED: dict[str, type[Scripted]] = {
@@ -120,9 +122,18 @@ def is_known(spec: str) -> bool:
 
 
 def is_folder(spec: str) -> bool:
-    """Whether a specification is the folder of a learned policy; one that starts with a known name never is."""
+    """Whether a specification is the folder of a learned policy, or of a run that has one; a known name never is."""
+    return folder_of(spec) is not None
+
+
+def folder_of(spec: str) -> str | None:
+    """The folder of the learned policy: the one that is named, or `agent` in the folder of a run."""
+    if is_known(spec):
+        return None
     # os.path never raises for a name that is too long.
-    return not is_known(spec) and os.path.isfile(os.path.join(spec, DOCUMENT))
+    return next(
+        (path for path in (spec, os.path.join(spec, RUN_AGENT)) if os.path.isfile(os.path.join(path, DOCUMENT))), None
+    )
 
 
 def is_code(spec: str) -> bool:
@@ -186,8 +197,9 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
         plane that the policy cannot fly on or in, or a contradiction with the world.
     """
     flown = Params.of(params, action="velocity")
-    if is_folder(spec):
-        return load(spec, None if params is None else flown)
+    folder = folder_of(spec)
+    if folder is not None:
+        return load(folder, None if params is None else flown)
     if spec.endswith(PICKLED):
         raise ParamsError(
             f"policy {spec!r} is a file whose reading runs code from it: make a policy folder of it with "

@@ -19,6 +19,7 @@ from rss_gym.eval.costs import Prices
 from rss_gym.eval.episodes import Block, described
 from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.policies import Entry, entry
+from rss_gym.eval.shown import Shown
 from rss_gym.eval.suites import Suite, find
 from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL, fly_blocks
@@ -38,8 +39,8 @@ class Scored:
     metrics: dict[str, Estimate]
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, repr=False)
+class Result(Shown):
     """What `evaluate` returns: the run, and its policies in the order given, `none` first if it was not.
 
     `episodes` is how many, and `first_episode` the number of the first of them.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 from rss_gym import baselines
 from rss_gym.baselines.agent import Agent
 from rss_gym.baselines.policy import Scripted
+from rss_gym.eval.imported import imported
 from rss_gym.params import Params, ParamsError
 
 
@@ -46,8 +46,7 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
     ----------
     policy : str or object
         A name of `rss_gym.baselines.POLICIES` with options or of `AGENTS`, the folder of a learned policy,
-        `module:attribute` (an object with `predict`, or a function that takes the `Params` and returns one), or an
-        object with `predict`.
+        `module:attribute` or `file.py:attribute` (see `rss_gym.eval.imported`), or an object with `predict`.
     params : Params
         The suite's world.
 
@@ -61,7 +60,7 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
     if isinstance(policy, str):
         if name is None and baselines.is_folder(policy):
             name = folder_name(policy)
-        policy = _imported(policy, params) if baselines.is_code(policy) else baselines.make(policy, params)
+        policy = imported(policy, params) if baselines.is_code(policy) else baselines.make(policy, params)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
     if isinstance(policy, (Scripted, Agent)):
@@ -77,17 +76,3 @@ def folder_name(spec: str) -> str:
     """The last part of the path that says more than where a run keeps its agent."""
     path = Path(spec).resolve()
     return path.parent.name if path.name == "agent" and path.parent.name else path.name
-
-
-def _imported(spec: str, params: Params) -> Any:
-    module, _, attribute = spec.partition(":")
-    try:
-        found = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
-        raise ParamsError(f"policy {spec!r} is neither a known name nor module:attribute ({error})") from error
-    if hasattr(found, "predict") and not isinstance(found, type):
-        return found
-    try:
-        return found(params)
-    except Exception as error:
-        raise ParamsError(f"policy {spec!r} failed to be made from the parameters: {error}") from error

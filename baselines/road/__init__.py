@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from rss_gym.baselines import PICKLED, is_folder, shipped
+from rss_gym.baselines import PICKLED, folder_of, shipped
 from rss_gym.baselines.road.agent import RoadAgent, load
 from rss_gym.baselines.road.policy import Driver, Idm, Nothing, World
 from rss_gym.baselines.road.rule import Rule
@@ -41,8 +41,9 @@ def make(spec: str, world: World) -> Driver | RoadAgent:
             raise ParamsError(f"policy {spec!r}: {name!r} is learned and has no options")
         return load(AGENTS[name], world, f"policy {name!r}")
     if name not in POLICIES:
-        if is_folder(spec):
-            return load(spec, world)
+        folder = folder_of(spec)
+        if folder is not None:
+            return load(folder, world)
         if spec.endswith(PICKLED):
             raise ParamsError(f"policy {spec!r} is a file whose reading runs code from it; name a policy folder")
         raise ParamsError(f"policy {name!r} is unknown on a road{suggestion(name, [*POLICIES, *AGENTS])}")

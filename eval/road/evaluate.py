@@ -47,7 +47,7 @@ class RoadEntry(Entry):
         return sha256(text.encode()).hexdigest()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RoadResult(Result):
     """As `Result`; `deviations` are the DEVIATIONS of each policy, in the order of the policies."""
 

@@ -1,6 +1,7 @@
 """Learned policies from a folder: what is read, what is refused, and what the fields that are taken away are."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from rss_gym.baselines.agent import load
 from rss_gym.baselines.masks import MASKS, kept
 from rss_gym.baselines.policy_files import DOCUMENT, FORMAT, WEIGHTS, Network
 from rss_gym.core import Batch, decode
+from rss_gym.eval import policies
 from rss_gym.params import Params, ParamsError
 
 NETWORK = {
@@ -108,3 +110,12 @@ def test_masks_take_away_what_they_say():
     assert not {"intruder_0.warning", "intruder_0.track_position_along_m", "intruder_0.message_age_s"} & gone
     assert set(names[kept("radio", params) == 0.0]) == {name for name in names if name.startswith("intruder_")}
     assert set(MASKS) == {"nothing", "range", "radio"}
+
+
+def test_the_folder_of_a_run_names_its_agent(tmp_path):
+    shutil.copytree(baselines.AGENTS["ppo-plane"], tmp_path / "run" / "agent")
+    run, agent = (baselines.make(str(tmp_path / name)) for name in ("run", "run/agent"))
+    assert run.digest == agent.digest
+    assert policies.entry(str(tmp_path / "run"), Params()).name == "run"
+    with pytest.raises(ParamsError, match="unknown"):
+        baselines.make(str(tmp_path))
