@@ -56,9 +56,9 @@ class Shown:
             import pandas
         except ImportError as error:
             raise ParamsError("to_frame needs pandas, which is not installed: pip install pandas") from error
-        table = {}
+        table: dict[str, dict[str, Any]] = {}
         for scored in self.policies:
-            row = table[scored.entry.name] = {}
+            row = table.setdefault(scored.entry.name, {})
             for name, found in scored.metrics.items():
                 row |= {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
         return pandas.DataFrame.from_dict(table, orient="index").rename_axis("policy")

@@ -180,7 +180,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         self.render_mode = render_mode
 
     @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+    def spec(self) -> EnvSpec | None:
         """What `gymnasium.make` made this of; no episode of this world is longer than its `max_episode_steps`."""
         return self._spec
 

@@ -20,7 +20,12 @@ _held: dict[str, int | None] = {}  # real paths of the folders that this process
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
-    """Write a text file under a temporary name and rename it, so that no half-written file is ever seen.
+    """Write a text file in UTF-8 as `write_bytes` does."""
+    return write_bytes(path, text.encode("utf-8", errors="replace"))
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> Path:
+    """Write a file under a temporary name and rename it, so that no half-written file is ever seen.
 
     Raises
     ------
@@ -31,8 +36,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> Path:
     try:
         temporary = _beside(target)
         try:
-            with open(temporary, "x", encoding="utf-8", errors="replace", newline="\n") as file:
-                file.write(text)
+            with open(temporary, "xb") as file:
+                file.write(content)
             os.replace(temporary, target)
         except BaseException:
             with suppress(OSError):

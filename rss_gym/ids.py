@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from typing import Any
 
 import gymnasium as gym
 from gymnasium.envs.registration import EnvSpec
@@ -20,7 +21,9 @@ ROADS: dict[str, dict[str, object]] = {  # of highway-env, extra `highway`
 
 
 # Gymnasium before 1.0 does not pass an id's keywords on to a vector entry point: it would make another world.
-_VECTOR = {} if gym.__version__.startswith("0.") else {"vector_entry_point": "rss_gym.vector:EncounterVectorEnv"}
+_VECTOR: dict[str, Any] = (
+    {} if gym.__version__.startswith("0.") else {"vector_entry_point": "rss_gym.vector:EncounterVectorEnv"}
+)
 
 
 def register_all() -> None:

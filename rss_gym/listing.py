@@ -53,11 +53,12 @@ def parameters(wanted: str = "") -> list[dict[str, Any]]:
 
     Those of the group `channel` are the columns of a channel; the others are keywords of `gymnasium.make`.
     """
-    found = []
-    groups = {item.name: item.default_factory for item in dataclasses.fields(Params) if item.name != "channels"}
-    for group, kind in [*groups.items(), ("channel", Channel)]:
+    found: list[dict[str, Any]] = []
+    world = Params()
+    groups = {item.name: getattr(world, item.name) for item in dataclasses.fields(world) if item.name != "channels"}
+    for group, kind in [*groups.items(), ("channel", Channel())]:
         for item in dataclasses.fields(kind):
-            row = {
+            row: dict[str, Any] = {
                 "name": item.name,
                 "group": group,
                 "default": item.default,

@@ -38,7 +38,7 @@ def make_vec_env(
     monitor_dir: str | None = None,
     wrapper_class: Callable[..., gym.Env[Any, Any]] | None = None,
     env_kwargs: Mapping[str, Any] | None = None,
-    vec_env_cls: type[VecEnv] | None = None,
+    vec_env_cls: Any = None,
     vec_env_kwargs: Mapping[str, Any] | None = None,
     monitor_kwargs: Mapping[str, Any] | None = None,
     wrapper_kwargs: Mapping[str, Any] | None = None,

@@ -75,7 +75,7 @@ def guarded() -> Iterator[Output]:
     with contextlib.suppress(ValueError):  # not the main thread
         before = signal.signal(signal.SIGTERM, terminate)
     output = Output(sys.stdout)
-    sys.stdout, sys.stderr = output, Output(sys.stderr)  # type: ignore[assignment]
+    sys.stdout, sys.stderr = output, Output(sys.stderr)
     try:
         yield output
     finally:

@@ -87,7 +87,7 @@ class EncounterVectorEnv(_Base):
         self._rows = EnvRows(self, self.num_envs, self.single_observation_space, self.single_action_space)
 
     @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+    def spec(self) -> EnvSpec | None:
         """What `gymnasium.make_vec` made this of; no episode is longer than its `max_episode_steps`."""
         return self._spec
 

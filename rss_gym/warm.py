@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -45,7 +46,7 @@ def warm(show: bool = True) -> Path | None:
 
 def steps() -> Iterator[tuple[str, Callable[[], object]]]:
     """Name and call of each part, in the order in which others need them."""
-    yield "world", lambda: _fly("none", Params())
+    yield "world", partial(_fly, "none", Params())
     done = set()
     for planar in (False, True):
         for level in baselines.LEVELS:
@@ -53,12 +54,12 @@ def steps() -> Iterator[tuple[str, Callable[[], object]]]:
             for name in baselines.able(world):
                 if name not in done:
                     done.add(name)
-                    yield f"policy {name}", lambda name=name, world=world: _fly(name, world)
+                    yield f"policy {name}", partial(_fly, name, world)
     yield "recurrent agents", _recurrent
     channel = load_channel("paper")
     log = simulate(np.linspace(60.0, 30.0, 20), 0.1, channel)
     for name in ESTIMATORS:
-        yield f"estimator {name}", lambda name=name: track(name, log.time_s, log.rss_dbm, channel)
+        yield f"estimator {name}", partial(track, name, log.time_s, log.rss_dbm, channel)
     yield "path loss", lambda: (received(log.distance_m, channel), distance(log.rss_dbm, channel))
     yield "path loss factor", lambda: _path_loss_factor(log.distance_m, log.rss_dbm - channel.offset_dbm)
     yield "safety zone", lambda: count_missed(0.8, 3, 10)
@@ -69,7 +70,7 @@ def steps() -> Iterator[tuple[str, Callable[[], object]]]:
 
 def _fly(name: str, world: Params) -> None:
     policy = baselines.make(name, world)
-    flight = EncounterVectorEnv(2, params=policy.world)
+    flight = EncounterVectorEnv(2, params=policy.params)
     observations, _ = flight.reset(seed=0)
     actions, _ = policy.predict(observations)
     flight.step(actions)

@@ -170,7 +170,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         self.render_mode = render_mode
 
     @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+    def spec(self) -> EnvSpec | None:
         """What `gymnasium.make` made this of; where the road has a duration, no episode exceeds `max_episode_steps`."""
         return self._spec
 
