@@ -148,6 +148,11 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
     `validation`, `suite`). A split holds for the episode that this reset starts; a later `reset()` without it starts
     the next number of split `train`.
 
+    ## Info
+
+    Arrays of shape (): the columns of `rss_gym.core.INFO` (events, separation, deviation, `cost_m`, the terms of the
+    reward), and `is_success`. The vector environment has one array of `num_envs` values for each.
+
     ## Episode end
 
     1. Termination: the separation was below `collision_m`.
@@ -241,7 +246,7 @@ class EncounterEnv(gym.Env[np.ndarray, Any]):
         self.painter.close()
 
     def _info(self, values: tuple[Any, ...]) -> dict[str, Any]:
-        """The columns of `INFO` among the values of the episode record."""
-        info = {name: values[column] for name, column in _COLUMNS.items()}
-        info["is_success"] = values[_TRUNCATED] and not info["collision"]
+        """The columns of `INFO` among the values of the episode record, as arrays: readers ask for type and shape."""
+        info = {name: np.array(values[column]) for name, column in _COLUMNS.items()}
+        info["is_success"] = np.array(values[_TRUNCATED] and not info["collision"])
         return info

@@ -55,6 +55,7 @@ class EncounterVectorEnv(_Base):
     metadata = {"render_modes": ["rgb_array", "rgb_array_list"], "render_fps": RENDER_FPS}  # noqa: RUF012
     is_vector_env = True  # asked for by wrappers of Gymnasium before 1.0
     closed = False
+    viewer = None  # closed by Gymnasium before 1.0
     _spec: EnvSpec | None = None
 
     def __init__(

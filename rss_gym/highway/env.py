@@ -221,9 +221,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
             raise ValueError(f"action must be in {self.action_space}, got {action!r}")
         observation, _, terminated, truncated, found = self.ranging.step(action)
         reward = self._cost.decided(self._deviation_m(), found["snmac"], found["collision"])
-        info = self._info(found)
-        info["is_success"] = (terminated or truncated) and not info["collision"]
-        return observation, reward, terminated, truncated, info
+        return observation, reward, terminated, truncated, self._info(found, terminated or truncated)
 
     def render(self) -> Any:
         """highway-env's picture."""
@@ -239,10 +237,10 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         assert plan is not None
         return float(np.hypot(*(self.vehicle.position - plan.position_m(ticks * self.params.clock.tick_s))))
 
-    def _info(self, info: dict[str, Any]) -> dict[str, Any]:
+    def _info(self, info: dict[str, Any], ended: bool = False) -> dict[str, Any]:
         plan, cost = self.ranging.plan, self._cost
         assert plan is not None
-        return {
+        values = {
             **{name: info[name] for name in ("collision", "snmac", "zone", "min_separation_m")},
             "deviation_m": self._deviation_m(),
             "deviation_mean_m": cost.deviation_mean_m,
@@ -250,8 +248,9 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
             "speed_error_mps": abs(float(self.vehicle.speed) - plan.speed_mps),
             "cost_m": cost.total_m,
             **{f"reward_{name}": 0.0 - change for name, change in cost.changes.items()},
-            "is_success": False,
+            "is_success": ended and not info["collision"],
         }
+        return {name: np.array(value) for name, value in values.items()}
 
 
 def scene_class(scene: Scene) -> Any:

@@ -290,7 +290,8 @@ def test_info_has_the_columns(env_id):
     env = gym.make(env_id).unwrapped
     for info in (env.reset(seed=0)[1], env.step(env.action_space.sample())[4]):
         assert set(info) == {*INFO, "is_success"}
-        assert all(type(value) in (bool, float) for value in info.values())
+        assert all(type(value) is np.ndarray and value.shape == () for value in info.values())
+        assert {value.dtype for value in info.values()} == {np.dtype(bool), np.dtype(np.float64)}
 
 
 # -- the ways to make it ----------------------------------------------------------------------------------------------

@@ -133,4 +133,4 @@ def test_a_drive_behind_a_slower_vehicle_is_a_near_miss_before_it_is_a_collision
     _, infos, _ = drive(env, lambda step: 1, seed=ENDS["crash"][2])
     near = [info["snmac"] for info in infos]
     assert near == sorted(near) and near[-1]
-    assert infos[0]["snmac"] is False
+    assert not infos[0]["snmac"]
