@@ -1,4 +1,4 @@
-"""Stable-Baselines3 and sb3-contrib as their documentation uses them: `make_vec_env`, monitors, callbacks, save and load."""
+"""Stable-Baselines3 and sb3-contrib as their documentation uses them, with both functions `make_vec_env`."""
 
 import tempfile
 from pathlib import Path
