@@ -20,7 +20,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seconds", type=float, default=300.0, help="time in the air (default: 300)")
     parser.add_argument("--rate", type=float, default=5.0, metavar="HZ", help="samples of the RSS (default: 5)")
     parser.add_argument("--seed", type=int, default=0, help="of the path and the noise (default: 0)")
-    parser.add_argument("--out", required=True, metavar="FILE", help="new file")
+    parser.add_argument("--out", required=True, metavar="FILE", help="new file for the log")
 
 
 def run(options: argparse.Namespace) -> None:
