@@ -2,6 +2,8 @@
 PYTHON ?= python3
 # Test processes at a time.
 JOBS ?= auto
+# Neighbours stay in one process, where they share fixtures; who is done takes over from the others.
+SPREAD = -n $(JOBS) --dist worksteal
 # More options for pytest: make test PYTEST_ARGS='-k ranging'.
 PYTEST_ARGS ?=
 
@@ -20,13 +22,13 @@ demo: .venv/.base ## fly the rule of the paper beside others and learned agents,
 	$(BIN)/rss-gym demo
 
 test: .venv/.done ## run all tests; skipped ones are listed with their reasons
-	$(BIN)/python -m pytest -ra -n $(JOBS) $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -ra $(SPREAD) $(PYTEST_ARGS)
 
 check: lint ## before each commit, under two minutes on two idle cores: the linters, and the tests not marked slow
-	$(BIN)/python -m pytest -n $(JOBS) -m 'not slow' $(PYTEST_ARGS)
+	$(BIN)/python -m pytest $(SPREAD) -m 'not slow' $(PYTEST_ARGS)
 
 explore: .venv/.done ## run the property tests with fresh examples (HYPOTHESIS_PROFILE=explore); `make test` always draws the same
-	HYPOTHESIS_PROFILE=explore $(BIN)/python -m pytest -ra -n $(JOBS) -m hypothesis $(PYTEST_ARGS)
+	HYPOTHESIS_PROFILE=explore $(BIN)/python -m pytest -ra $(SPREAD) -m hypothesis $(PYTEST_ARGS)
 
 lint: .venv/.done ## style, types and layers
 	$(BIN)/ruff check .

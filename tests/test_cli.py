@@ -49,6 +49,7 @@ def test_eval_writes_scores_and_prints_the_table(capsys, tmp_path):
     assert rate["n"] == 50 and 0.0 <= rate["low"] <= rate["value"] <= rate["high"] <= 1.0
 
 
+@pytest.mark.slow
 def test_all_on_several_levels_of_information(capsys, tmp_path):
     folder = tmp_path / "runs" / "all"
     arguments = ["--policy", "all", "--information", "positions", "ranges", "--episodes", "5", "--out", str(folder)]

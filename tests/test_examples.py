@@ -29,13 +29,14 @@ EXAMPLES = {
         ["32,768 decisions", "ppo ", "30 encounters"],
     ),
 }
+SLOW = ("cluster.py", "ppo_single_file.py", "train_in_minutes.py")
 
 
 def test_every_example_is_run_here():
     assert {path.name for path in FOLDER.glob("*.py")} - {"highway.py"} == set(EXAMPLES)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in EXAMPLES])
 def test_it_runs(name, tmp_path, monkeypatch, capsys):
     arguments, packages, words = EXAMPLES[name]
     for package in packages:

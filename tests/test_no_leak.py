@@ -256,6 +256,7 @@ STATES = (
 STATES += ("side_", "other_position")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keywords", [{"families": "crossing"}, {}, {"information": "ranges"}], ids=repr)
 def test_the_time_of_the_planned_closest_approach_is_told_by_the_track_alone(keywords):
     """No field beside the states tells when the encounter was built to happen; boosted trees and least squares."""

@@ -89,6 +89,7 @@ def test_intervals_cover(case):
     assert np.mean([low <= truth(snmac, collision) <= high for _, low, high, _ in found]) >= FLOOR
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("shared", [0.0, 0.8])
 def test_paired_intervals_cover(case, shared):

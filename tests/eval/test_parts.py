@@ -117,6 +117,7 @@ def test_threads(alone):
         executor.submit(int).result()  # it is left open
 
 
+@pytest.mark.slow
 def test_loky(alone):
     loky = pytest.importorskip("loky", reason="loky is not installed: pip install 'rss-gym[cluster]'")
     executor = loky.get_reusable_executor(max_workers=2)
@@ -128,12 +129,14 @@ def test_loky(alone):
         executor.shutdown(wait=True, kill_workers=True)
 
 
+@pytest.mark.slow
 def test_joblib(alone):
     joblib = pytest.importorskip("joblib", reason="joblib is not installed: pip install 'rss-gym[cluster]'")
     tasks = [joblib.delayed(part)(first, first + 10) for first in range(0, EPISODES, 10)]
     assert same(merge(joblib.Parallel(n_jobs=2)(tasks)), alone)
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_with_a_worker_of_dask_that_is_killed(alone, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install 'rss-gym[cluster]'")
     monkeypatch.setenv(flyers.MARKS, str(tmp_path))
@@ -155,6 +158,7 @@ def test_nothing_is_lost_with_a_worker_of_dask_that_is_killed(alone, tmp_path, m
     assert found.policies[1].table.tobytes() == alone.policies[2].table.tobytes()
 
 
+@pytest.mark.slow
 def test_ray(alone):
     ray = pytest.importorskip("ray", reason="Ray is not installed: pip install ray")
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": path()}})

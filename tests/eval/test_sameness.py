@@ -56,7 +56,7 @@ def test_each_encounter_on_its_own_gives_the_same_rows(alone):
         assert one.table.tobytes() == other.table[:12].tobytes()
 
 
-@pytest.mark.parametrize("workers", [2, 3])
+@pytest.mark.parametrize("workers", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_any_number_of_workers_gives_the_same_scores(alone, workers, tmp_path):
     result = flown(workers=workers, block=16)
     assert same(result, alone)
@@ -64,6 +64,7 @@ def test_any_number_of_workers_gives_the_same_scores(alone, workers, tmp_path):
     assert (one / "scores.json").read_bytes() == (other / "scores.json").read_bytes()
 
 
+@pytest.mark.slow
 def test_objects_are_flown_by_workers_too(alone):
     given = {"none": "none", "mine": flyers.Flyer()}
     result = flown(given, episodes=20, workers=2)
@@ -218,7 +219,9 @@ def left(tmp_path):
 
 @linux
 @pytest.mark.parametrize(
-    ("workers", "to_all"), [(1, False), (2, False), (2, True)], ids=["alone", "workers", "terminal"]
+    ("workers", "to_all"),
+    [(1, False), pytest.param(2, False, marks=pytest.mark.slow), pytest.param(2, True, marks=pytest.mark.slow)],
+    ids=["alone", "workers", "terminal"],
 )
 def test_ctrl_c_leaves_nothing_behind(started, tmp_path, workers, to_all):
     command, flying = started("flyers:Hang", workers)
@@ -254,6 +257,7 @@ def test_a_worker_that_dies_ends_the_run(started, tmp_path):
     assert not any(map(runs, flying)) and left(tmp_path) == []
 
 
+@pytest.mark.slow
 def test_a_script_without_a_guard_is_told_so(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("from rss_gym.eval import evaluate\nevaluate('none', episodes=20, workers=2)\n")

@@ -20,6 +20,7 @@ def result():
     return road.evaluate(["rule", "idm"], episodes=5)
 
 
+@pytest.mark.slow
 def test_drives_are_paired_by_key(result):
     assert [scored.entry.name for scored in result.policies] == ["none", "rule", "idm"]
     none, rule, _ = (scored.table for scored in result.policies)
@@ -75,6 +76,7 @@ def test_drives_are_ranked_by_their_mean_cost(result):
     assert gap.value == pytest.approx(means[1] - means[0]) and gap.low < gap.value < gap.high
 
 
+@pytest.mark.slow
 def test_processes_change_nothing(result, monkeypatch):
     monkeypatch.setattr(sys.modules["rss_gym.eval.road.evaluate"], "CHUNK", 3)
     again = road.evaluate(["rule", "idm"], episodes=5, workers=2)

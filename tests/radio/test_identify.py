@@ -31,6 +31,7 @@ def fits(request):
     return request.param, [identify(allan_curve(x, PERIOD_S)) for x in noises(300, request.param, 7)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRUTH)
 def test_standard_errors_are_those_of_the_scatter(fits, name):
     """Within a factor of 1.5 of the spread of the middle 80 %: a minute gives Tc and S long tails."""

@@ -55,6 +55,7 @@ def test_coloured_errors_are_the_sandwich():
     assert (fit.path_loss_factor_std, fit.offset_std_dbm) == pytest.approx(tuple(expected), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_errors_cover_the_truth():
     """200 flights of 5 min, 5 to 60 m and back in 40 s: with the noise found the error is the scatter."""
     channel = load_channel("outdoor").replace(path_loss_wander=0.0)

@@ -129,6 +129,7 @@ def evaluated(capsys, folder, out, *more):
     return call(capsys, "eval", *arguments)
 
 
+@pytest.mark.slow
 def test_scores_of_a_folder_are_verified_and_listed(capsys, folder, tmp_path):
     record = tmp_path / "record"
     status, out, _ = evaluated(capsys, folder, record, "--workers", "2")

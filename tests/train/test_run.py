@@ -45,9 +45,9 @@ def whole(folder):
 
 @pytest.fixture(scope="module")
 def finished(small, tmp_path_factory):
-    """Two seeds in two processes."""
+    """Two seeds, one after the other."""
     folder = tmp_path_factory.mktemp("runs") / "run"
-    agent = run.start(recipe.load("ppo", small), folder, seeds=2, workers=2, command=["train", "ppo"], show=False)
+    agent = run.start(recipe.load("ppo", small), folder, seeds=2, command=["train", "ppo"], show=False)
     assert agent == folder / "agent"
     return folder
 
@@ -79,6 +79,16 @@ def test_a_seed_holds_its_curves_checkpoint_and_best(finished, seed):
     assert float(kept["collision_rate"]) == training["validation"]["collision_rate"]
 
 
+@pytest.mark.slow
+def test_seeds_in_processes_of_their_own_are_the_same(finished, small, tmp_path):
+    run.start(recipe.load("ppo", small), tmp_path / "run", seeds=2, workers=2, show=False)
+    for seed in ("seed-0", "seed-1"):
+        weights = [
+            (folder / seed / "best" / "policy.safetensors").read_bytes() for folder in (finished, tmp_path / "run")
+        ]
+        assert weights[0] == weights[1]
+
+
 def test_seeds_differ(finished):
     weights = [(finished / seed / "best" / "policy.safetensors").read_bytes() for seed in ("seed-0", "seed-1")]
     assert weights[0] != weights[1]
@@ -103,6 +113,7 @@ def test_a_finished_run_goes_on_without_a_step(finished, capsys):
     assert (finished / "seed-0" / "progress.csv").read_bytes() == before
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL on Windows")
 def test_killed_and_resumed(small, tmp_path):
     folder = tmp_path / "run"
