@@ -10,7 +10,8 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
 from rss_gym.params import Channel, load_channel
-from rss_gym.ranging.track import ESTIMATORS, Tuning, track
+from rss_gym.ranging import ESTIMATORS
+from rss_gym.ranging.track import Tuning, track
 
 RECORDS, SAMPLES, ROUNDS, FILTERPY_SAMPLES = 1000, 1000, 5, 5000
 INTERVAL_S, AIM = 0.1, 10_000_000

@@ -7,10 +7,12 @@ from importlib.metadata import PackageNotFoundError, version
 
 from rss_gym.extend import (
     register_channel,
+    register_estimator,
     register_family,
     register_metric,
     register_rule,
     register_suite,
+    register_tracker,
 )
 from rss_gym.ids import register_all
 
@@ -24,8 +26,10 @@ register_all()
 __all__ = [
     "__version__",
     "register_channel",
+    "register_estimator",
     "register_family",
     "register_metric",
     "register_rule",
     "register_suite",
+    "register_tracker",
 ]

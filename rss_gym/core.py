@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import gymnasium as gym
 import numpy as np
 
-from rss_gym import encounters, observation, world
+from rss_gym import encounters, observation, variants
 from rss_gym.encounters.sampler import STAGGER_S
 from rss_gym.jit import announce, kernel
 from rss_gym.params import Params, ParamsError, suggestion
@@ -133,7 +133,8 @@ class Batch:
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
-        failed = world.reset(self.state, self.seen, mask, self.split, self.seeds, self.numbers, self.observations)
+        reset, _ = variants.kernels(self.params)
+        failed = reset(self.state, self.seen, mask, self.split, self.seeds, self.numbers, self.observations)
         if failed >= 0:
             raise ParamsError(
                 f"no encounter of families {self.params.encounter.families!r} meets the limits on closing speed, time "
@@ -152,7 +153,8 @@ class Batch:
         NotFiniteError
             When a state is not finite.
         """
-        failed = world.step(self.state, self.seen, mask, actions, self.observations, self.rewards)
+        _, step = variants.kernels(self.params)
+        failed = step(self.state, self.seen, mask, actions, self.observations, self.rewards)
         if failed >= 0:
             e = self.episode[failed]
             raise NotFiniteError(list(SPLITS)[e["split"]], int(e["seed"]), int(e["number"]))

@@ -14,13 +14,17 @@ if TYPE_CHECKING:
     from rss_gym.eval.metrics import Metric
     from rss_gym.eval.suites import Suite
     from rss_gym.params import Channel
+    from rss_gym.ranging import Estimator
+    from rss_gym.tracking import Tracker
 
 __all__ = [
     "register_channel",
+    "register_estimator",
     "register_family",
     "register_metric",
     "register_rule",
     "register_suite",
+    "register_tracker",
 ]
 
 
@@ -43,6 +47,19 @@ def register_channel(name: str, channel: Channel | Mapping[str, Any] | str | os.
     from rss_gym.params import Preset, load_channel
 
     registry.of("channel").register(name, Preset(load_channel(channel), summary))
+
+
+def register_estimator(name: str, estimator: Estimator) -> None:
+    """Add an estimator of range: `estimator="name"` then flies it, `rss_gym.ranging.track` runs it over records.
+
+    `rss-gym calibrate` compares it too. One with a run over records and without a filter does not fly.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken, or what is no `rss_gym.ranging.Estimator`.
+    """
+    registry.of("estimator").register(name, estimator)
 
 
 def register_family(name: str, family: Family) -> None:
@@ -94,3 +111,14 @@ def register_suite(suite: Suite) -> None:
         For a name that is taken or has no version, or what is no `rss_gym.eval.suites.Suite`.
     """
     registry.of("suite").register(getattr(suite, "name", ""), suite)
+
+
+def register_tracker(name: str, tracker: Tracker) -> None:
+    """Add a tracker of an intruder's relative state: `tracker="name"` then flies it.
+
+    Raises
+    ------
+    ParamsError
+        For a name that is taken, or what is no `rss_gym.tracking.Tracker`.
+    """
+    registry.of("tracker").register(name, tracker)

@@ -10,13 +10,24 @@ import functools
 import hashlib
 import os
 import sys
+import types
 from pathlib import Path
 
 import numba
 
 from rss_gym import kernel_cache
 
-__all__ = ["announce", "cache_dir", "inner", "kernel"]
+__all__ = [
+    "announce",
+    "cache_dir",
+    "compiled",
+    "digest_of",
+    "inner",
+    "kernel",
+    "parts_dir",
+    "rebound",
+    "rebound_kernel",
+]
 
 # Parts of this package that hold no kernel and that none calls (tested): an edit there need not compile anything.
 _WITHOUT_KERNELS = {
@@ -113,7 +124,11 @@ def kernel(function=None, *, cache=True, **options):
     if function is None:
         return functools.partial(kernel, cache=cache, **options)
     dispatcher = numba.njit(**{**_OPTIONS, **options})(function)
-    folder = cache_dir(_root_of(function)) if cache and dispatcher is not function else None
+    return _kept(dispatcher, function, cache_dir(_root_of(function)) if cache and dispatcher is not function else None)
+
+
+def _kept(dispatcher, function, folder):
+    """The dispatcher of a function, whose machine code is kept in a folder, if there is one."""
     if folder is not None:
         turn, compile_ = _turn(folder), dispatcher.compile
 
@@ -133,3 +148,114 @@ def inner(function=None, **options):
     row where arrays are at hand must be ``forceinline=True``, or Numba counts references there at every call.
     """
     return kernel(function, cache=False, no_cpython_wrapper=True, **options)
+
+
+# -- functions from outside the package -------------------------------------------------------------------------------
+
+
+def compiled(function):
+    """A function that kernels can call: as it is if Numba has compiled it, else compiled by the rules of `inner`."""
+    if hasattr(function, "py_func"):
+        return function
+    return numba.njit(**_OPTIONS, no_cpython_wrapper=True)(function)
+
+
+def rebound(function, **replaced):
+    """A copy of an `inner` that finds other values by these names of its module, for other kernels to call."""
+    return numba.njit(**_OPTIONS, no_cpython_wrapper=True)(_copied(function, replaced))
+
+
+def rebound_kernel(function, folder, **replaced):
+    """A copy of a kernel that finds other values by these names of its module.
+
+    Parameters
+    ----------
+    function : callable
+        What `kernel` returned.
+    folder : Path or None
+        Where its machine code is kept, see `parts_dir`.
+    **replaced
+        Name -> what the copy finds there.
+    """
+    copy = _copied(function, replaced)
+    dispatcher = numba.njit(**_OPTIONS)(copy)
+    return _kept(dispatcher, copy, folder if dispatcher is not copy else None)
+
+
+def _copied(function, replaced):
+    source = getattr(function, "py_func", function)
+    names = {**source.__globals__, **replaced}
+    return types.FunctionType(source.__code__, names, source.__name__, source.__defaults__, source.__closure__)
+
+
+@functools.cache
+def parts_dir(root, digest, what):
+    """Folder for the kernels of the package at ``root`` that call functions with this digest; None if there is none.
+
+    If nothing is there yet, it says on standard error for ``what`` the first call compiles.
+    """
+    folder = kernel_cache.find(Path(root.stem) / f"{_digest(root)}-{digest}")
+    if not numba.config.DISABLE_JIT and (folder is None or not any(folder.rglob("*.nbi"))):
+        kernel_cache.tell(f"compiling its kernels for {what}, once (about 20 s)")
+    return folder
+
+
+def digest_of(*functions):
+    """Digest of functions from outside this package, as kernels that call them are compiled.
+
+    It covers their code, the values that they find by name, the functions that they call, and the sources of the
+    packages that these are from. What this package holds is covered by `cache_dir`.
+    """
+    state, seen = hashlib.sha256(numba.__version__.encode()), set()
+    for function in functions:
+        _add_value(state, seen, function)
+    return state.hexdigest()[:24]
+
+
+def _add_value(state, seen, value):
+    """Add to a digest what a kernel may see of a value."""
+    value = getattr(value, "py_func", value)
+    if isinstance(value, types.FunctionType | types.ModuleType | type):
+        name = value.__name__ if isinstance(value, types.ModuleType) else value.__module__
+        state.update(f"{name} {getattr(value, '__qualname__', '')} ".encode())
+        if id(value) in seen or name.partition(".")[0] in (
+            Path(__file__).parent.name,
+            "numpy",
+            *sys.stdlib_module_names,
+        ):
+            return
+        seen.add(id(value))
+        _add_sources(state, seen, name)
+    if isinstance(value, types.FunctionType):
+        cells = [cell.cell_contents for cell in value.__closure__ or ()]
+        _add_code(state, value.__code__)
+        found = [value.__globals__[name] for name in value.__code__.co_names if name in value.__globals__]
+        for part in (*cells, *found, *(value.__defaults__ or ())):
+            _add_value(state, seen, part)
+    elif isinstance(value, tuple | list):
+        for part in value:
+            _add_value(state, seen, part)
+    elif hasattr(value, "tobytes"):  # an array or a scalar of NumPy
+        state.update(f"{value.dtype} {value.shape} ".encode() + value.tobytes())
+    elif not isinstance(value, types.ModuleType | type):
+        state.update(f"{value!r} ".encode())
+
+
+def _add_code(state, code):
+    """Add to a digest the instructions of a function and what they name."""
+    state.update(code.co_code + f" {code.co_names} {code.co_varnames} ".encode())
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            _add_code(state, constant)
+        else:
+            state.update(f"{constant!r} ".encode())
+
+
+def _add_sources(state, seen, module):
+    """Add to a digest the sources of the package of a module, where there are any."""
+    top = sys.modules.get(module.partition(".")[0])
+    folder = next(iter(getattr(top, "__path__", ())), None)
+    root = Path(folder or getattr(top, "__file__", None) or "")
+    if root not in seen and root.exists() and (root.is_dir() or root.suffix == ".py") and root != Path():
+        seen.add(root)
+        state.update(_digest(root.resolve()).encode())

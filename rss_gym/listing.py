@@ -12,6 +12,8 @@ from rss_gym.highway.env import SCENES
 from rss_gym.ids import IDS, ROADS
 from rss_gym.meanings import MEANINGS
 from rss_gym.params import CHANNELS, Channel, Params
+from rss_gym.ranging import ESTIMATORS
+from rss_gym.tracking import TRACKERS
 from rss_gym.train.recipe import load, recipes
 from rss_gym.train.road import recipe as road_recipe
 
@@ -29,6 +31,12 @@ def listing() -> dict[str, dict[str, str]]:
         },
         "drivers": road.describe(),
         "channels": {name: preset.summary for name, preset in CHANNELS.items()},
+        "estimators": {
+            name: f"{part.title}{'' if part.flies else ' [records only]'}" for name, part in ESTIMATORS.items()
+        },
+        "trackers": {
+            name: f"{part.summary} [information {', '.join(part.information)}]" for name, part in TRACKERS.items()
+        },
         "families": {MIXED: "all of these, by their weights"}
         | {name: f"{family.summary} [weight {family.weight:g}]" for name, family in FAMILIES.items()},
         "recipes": {name: f"{load(name).summary} [{load(name).steps} decisions]" for name in recipes()}

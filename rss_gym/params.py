@@ -23,6 +23,7 @@ import numpy as np
 
 from rss_gym.errors import ParamsError, UnknownParamError, suggestion
 from rss_gym.registry import Registry
+from rss_gym.registry import of as registry_of
 from rss_gym.streams import MAX_INTRUDERS
 
 PRESETS_FOLDER = Path(__file__).parent / "presets"
@@ -30,8 +31,6 @@ RADIOS = "radios"  # the name of the list of all presets but `clean`, and of as 
 RANDOM_RADIOS = 59
 
 Information = Literal["oracle", "positions", "ranges"]
-Estimator = Literal["ekf-coloured", "ekf-white", "ekf-white-r", "ls"]
-Tracker = Literal["latest", "fused", "bearings"]
 Localisation = Literal["gnss", "rss", "dead-reckoning"]
 ActionKind = Literal["velocity", "discrete"]
 ZoneKind = Literal["fixed", "adaptive"]
@@ -45,6 +44,11 @@ def number(default: float, low: float, high: float) -> Any:
 def choice(default: str | None, kind: Any) -> Any:
     """A dataclass field that must be one of the strings of the `Literal` `kind` (or None if that is the default)."""
     return field(default=default, metadata={"known": typing.get_args(kind)})
+
+
+def part(default: str, kind: str) -> Any:
+    """A dataclass field that names a part of the registry of that kind, one that flies."""
+    return field(default=default, metadata={"registry": kind})
 
 
 class Group:
@@ -65,6 +69,12 @@ class Group:
                 return
             if not isinstance(value, str) or value not in meta["known"]:
                 raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), meta['known'])}")
+        elif "registry" in meta:
+            if value != item.default:  # the default is there; looking it up would load kernels
+                found = registry_of(meta["registry"])
+                known = [name for name, part in found.items() if getattr(part, "flies", True)]
+                if not isinstance(value, str) or value not in known:
+                    raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), known)}")
         elif "low" in meta:
             # `numbers` knows NumPy's scalars too, as a sweep hands them over.
             kind: Any = numbers.Integral if isinstance(item.default, int) else numbers.Real
@@ -232,7 +242,7 @@ class Channel(Group):
 class Ranging(Group):
     """The estimator of range and its tuning; `ranging/` holds the filters, (12)-(21)."""
 
-    estimator: str = choice("ekf-coloured", Estimator)
+    estimator: str = part("ekf-coloured", "estimator")
     process_noise_m2: float = number(64.0, 1e-6, 1e6)  # Var(w) a tick without psi
     # 2 Tv Delta sigma_v^2 of both velocities is 1; a slow radio needs somewhat more for errors as large as stated.
     process_noise_psi_m2: float = number(1.2, 1e-6, 1e6)
@@ -270,7 +280,7 @@ class Navigation(Group):
 class Tracking(Group):
     """The tracker that makes one relative state of messages and ranges; `tracking/` holds them."""
 
-    tracker: str = choice("fused", Tracker)
+    tracker: str = part("fused", "tracker")
     track_range: bool = True  # False: `fused` leaves the range out, to measure what it is worth
     unheard_mps: float = number(1.0, 0.0, 10.0)  # error of an intruder's velocity that is no longer told
     unheard_tc_s: float = number(5.0, 0.1, 60.0)  # how long that error lasts
@@ -490,11 +500,15 @@ class Params(Group):
                 "intruder must be 'dead-reckoning' or 'gnss', "
                 f"got agent = {nav.agent!r}, intruder = {nav.intruder!r}"
             )
-        if ranges != (self.tracking.tracker == "bearings"):
-            raise ParamsError(
-                f"tracker {self.tracking.tracker!r} cannot work with information {self.interface.information!r}: "
-                "'bearings' is for 'ranges', 'latest' and 'fused' are for messages that hold positions"
-            )
+        if ranges or self.tracking.tracker != Tracking().tracker:  # else that of the default, which loads no kernels
+            needed, trackers = "ranges" if ranges else "positions", registry_of("tracker")
+            if needed not in trackers[self.tracking.tracker].information:
+                able = ", ".join(repr(name) for name, part in trackers.items() if needed in part.information)
+                raise ParamsError(
+                    f"tracker {self.tracking.tracker!r} cannot work with information "
+                    f"{self.interface.information!r}, where messages hold {'no ' if ranges else ''}positions; "
+                    f"those that can: {able}"
+                )
         if self.encounter.cruise_max_mps >= self.aircraft.speed_max_mps:
             raise ParamsError(
                 f"cruise_max_mps = {self.encounter.cruise_max_mps:g} must be below speed_max_mps = "

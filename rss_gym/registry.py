@@ -26,6 +26,8 @@ GROUP = "rss_gym.plugins"
 # Kind -> module and attribute of its registry.
 HOMES: dict[str, tuple[str, str]] = {
     "channel": ("rss_gym.params", "CHANNELS"),
+    "estimator": ("rss_gym.ranging", "ESTIMATORS"),
+    "tracker": ("rss_gym.tracking", "TRACKERS"),
     "family": ("rss_gym.encounters", "FAMILIES"),
     "rule": ("rss_gym.baselines", "POLICIES"),
     "metric": ("rss_gym.eval.metrics", "METRICS"),
@@ -83,7 +85,7 @@ class Registry(Mapping[str, Part], Generic[Part]):
         ParamsError
             For an unknown name, with the nearest known one.
         """
-        if name not in self:
+        if not isinstance(name, str) or name not in self:
             raise ParamsError(f"{self.kind} {name!r} is unknown{suggestion(str(name), self)}")
         return self[name]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from rss_gym import streams, tracking
 from rss_gym.params import Params
-from rss_gym.ranging import RANGE_ESTIMATORS
+from rss_gym.ranging import ESTIMATORS
 from rss_gym.streams import MAX_INTRUDERS, NODES
 
 MAX_WAY_POINTS: Final = 8
@@ -400,9 +400,9 @@ def config(params: Params) -> np.ndarray:
     record["lossy"] = any(channel.quantisation_db > 0.0 or channel.packet_loss > 0.0 for channel in p.channels)
     record["wanders"] = wanders(p)
     record["zone_adaptive"] = p.zone.zone == "adaptive"
-    record["estimator"] = RANGE_ESTIMATORS[p.ranging.estimator]
+    record["estimator"] = ESTIMATORS[p.ranging.estimator].code
     record["information"] = INFORMATION[p.interface.information]
-    record["tracker"] = tracking.TRACKERS[p.tracking.tracker]
+    record["tracker"] = tracking.TRACKERS[p.tracking.tracker].code
     record["latency_ticks"] = round(p.messages.message_latency_s / p.clock.tick_s)
     record["agent_localisation"] = LOCALISATIONS[p.navigation.agent]
     record["intruder_localisation"] = LOCALISATIONS[p.navigation.intruder]

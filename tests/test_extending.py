@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
 BLOCKS = dict(re.findall(r"^## (?:A|An) ([\w ]+)\n```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE))
 COMMAND = ["-c", "import sys; from rss_gym.cli import main; sys.exit(main())"]
-KINDS = ["channel", "family of encounters", "suite", "rule", "metric"]
+KINDS = ["channel", "family of encounters", "suite", "rule", "metric", "estimator", "tracker"]
 
 
 @pytest.fixture(scope="module")
@@ -67,12 +67,19 @@ def test_the_command_line_lists_and_flies_them(elsewhere, tmp_path):
     assert "[weight 0]" in listed["families"]["fading-overtaker"]
     assert listed["policies"]["sidestep"].endswith("[share=0.4]")
     assert "[2000 encounters]" in listed["suites"]["my-suite-v0"]
+    assert listed["estimators"]["weighed"] == "inverted samples, weighed"
+    assert listed["trackers"]["at-range"].endswith("[information positions]")
     out = tmp_path / "record"
     command = [*COMMAND, "eval", "--policy", "sidestep:share=0.8", "--suite", "my-suite-v0"]
+    command += ["--estimator", "weighed", "--tracker", "at-range"]
     run(elsewhere, *command, "--episodes", 40, "--workers", 2, "--out", out)
     scores = json.loads((out / "scores.json").read_text())
     assert scores["families"] == ["overtaking", "fading-overtaker"]
     assert scores["params"]["channels"][0]["coloured_variance_db2"] == 9.0
+    assert (scores["params"]["ranging"]["estimator"], scores["params"]["tracking"]["tracker"]) == (
+        "weighed",
+        "at-range",
+    )
     metrics = {policy["spec"]: policy["metrics"] for policy in scores["policies"]}
     assert 0.0 < metrics["sidestep:share=0.8"]["warned_share"]["value"] < 1.0
     assert "verified" in run(elsewhere, *COMMAND, "verify", out)
@@ -87,6 +94,8 @@ testing.check_family("fading-overtaker")
 testing.check_suite("my-suite-v0")
 testing.check_rule("sidestep")
 testing.check_metric("warned_share")
+testing.check_estimator("weighed")
+testing.check_tracker("at-range")
 print("kept")
 """
     assert run(elsewhere, "-c", code) == "kept\n"
@@ -96,9 +105,10 @@ def test_gymnasium_makes_worlds_of_them(elsewhere):
     code = """
 import gymnasium as gym
 import rss_gym
-env = gym.make("rss_gym/Encounter-v0", channel="my-radio", families="fading-overtaker")
+parts = {"estimator": "weighed", "tracker": "at-range"}
+env = gym.make("rss_gym/Encounter-v0", channel="my-radio", families="fading-overtaker", **parts)
 print(env.reset(seed=0)[0].shape == env.observation_space.shape)
-envs = gym.make_vec("rss_gym/Encounter-v0", num_envs=3, channel=["my-radio", "paper"], families=["fading-overtaker"])
+envs = gym.make_vec("rss_gym/Encounter-v0", num_envs=3, channel=["my-radio", "paper"], **parts)
 print(len(envs.reset(seed=0)[0]))
 """
     assert run(elsewhere, "-c", code).split() == ["True", "3"]

@@ -96,7 +96,7 @@ def observe(batch):
     own, others = np.zeros(batch.n, OWN), np.zeros(batch.seen.others.shape, OTHER)
     memories, tracks = state.memories.copy(), state.tracks.copy()
     information = params.interface.information
-    tracker = -1 if information == "oracle" else TRACKERS[params.tracking.tracker]
+    tracker = -1 if information == "oracle" else TRACKERS[params.tracking.tracker].code
     for i in range(batch.n):
         sense_row(state, i, own[i], others[i])
         track_row(tracker, own[i], others[i], memories[i], tracks[i], state.model[0])

@@ -39,8 +39,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="LEVEL",
         help="oracle, positions or ranges; several give a folder each in DIR",
     )
-    parser.add_argument("--estimator", help="of the range: ekf-coloured, ekf-white, ekf-white-r or ls")
-    parser.add_argument("--tracker", help="of the intruder's relative state: latest, fused or bearings")
+    parser.add_argument(
+        "--estimator", metavar="NAME", help="of the range, such as ekf-coloured or ls: see rss-gym list"
+    )
+    parser.add_argument(
+        "--tracker", metavar="NAME", help="of the intruder's relative state, such as fused: see rss-gym list"
+    )
     parser.add_argument(
         "--families", nargs="+", action="extend", metavar="NAME", help="draw from these families of encounters only"
     )

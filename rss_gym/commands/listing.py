@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-HELP = "ids, policies, channel presets, families, recipes and suites"
+HELP = "ids, policies, channel presets, estimators, trackers, families, recipes and suites"
 
 
 def add(parser: argparse.ArgumentParser) -> None:

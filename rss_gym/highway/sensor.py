@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym import state
+from rss_gym import state, variants
 from rss_gym.highway import links
 from rss_gym.jit import announce
 from rss_gym.params import Params, ParamsError
@@ -132,7 +132,7 @@ class Sensor:
         states, roads = np.array(self._states), np.array(self._roads)
         self._states.clear()
         self._roads.clear()
-        links.update_radio(
+        variants.radio(links.update_radio, self.params.ranging.estimator)(
             self._config, self._channel, self._key, self.radio_range_m, self.params.zone.range_error_m, states, roads,
             self._ticks, self._episode, self._vehicles[:rows], self._links[: rows - 1], self._contacts[: rows - 1],
             self._block, self._agent_lanes, self._other_lanes, self._contact_lanes, self._link_lanes,

@@ -1,15 +1,36 @@
-"""Estimators of range from RSS: one file each, pure kernels; `RANGE_ESTIMATORS` gives each its code in the records."""
+"""Estimators of range from RSS: one file each, pure kernels; `ESTIMATORS` is the list of them all.
 
-from typing import Final
+A new one is one file and one line there, or `rss_gym.register_estimator`: by its `Filter` it flies in the world, runs
+over records (`rss_gym.ranging.track`), and is compared by `rss-gym calibrate`.
+"""
 
-COLOURED: Final = 0
-WHITE: Final = 1
-LEAST_SQUARES: Final = 2
-WHITE_R: Final = 3
+from rss_gym.ranging import filters, log_distance, window
+from rss_gym.ranging.estimator import COLOURED, LEAST_SQUARES, WHITE, WHITE_R, Estimator, Filter, check
+from rss_gym.registry import Registry
 
-RANGE_ESTIMATORS: dict[str, int] = {
-    "ekf-coloured": COLOURED,
-    "ekf-white": WHITE,  # of the whole variance, R + S
-    "ekf-white-r": WHITE_R,  # of R alone: what the paper compares with
-    "ls": LEAST_SQUARES,
+__all__ = ["COLOURED", "ESTIMATORS", "LEAST_SQUARES", "WHITE", "WHITE_R", "Estimator", "Filter"]
+
+_SHIPPED: dict[str, Estimator] = {
+    "ls": Estimator(
+        "least squares, each sample", run=filters.run_inverse, white_is_total=True, tuned=False, code=LEAST_SQUARES
+    ),
+    "ls-window": Estimator("least squares, mean of 5 s", run=window.run, tuned=False),
+    # Of R alone: what the paper compares with.
+    "ekf-white-r": Estimator("white EKF, R alone", run=filters.run_white, code=WHITE_R),
+    "ekf-white": Estimator("white EKF, R + S", run=filters.run_white, white_is_total=True, code=WHITE),
+    "ekf-white-literal": Estimator(
+        "white EKF, literal start", run=filters.run_white, white_is_total=True, literal=True, compared=False
+    ),
+    "ekf-coloured-literal": Estimator("coloured EKF, literal start", run=filters.run_coloured, literal=True),
+    "ekf-coloured": Estimator("coloured EKF", run=filters.run_coloured, code=COLOURED),
+    "ekf-log": Estimator(
+        "coloured EKF, state ln d",
+        Filter(
+            log_distance.prior, log_distance.predict_state, log_distance.update_state, None, log_distance.innovation
+        ),
+        run=log_distance.run,
+        logarithmic=True,
+    ),
 }
+
+ESTIMATORS: Registry[Estimator] = Registry("estimator", _SHIPPED, check, like="my-filter")

@@ -65,21 +65,21 @@ def update(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, whit
 
 
 @inner
-def _prior(setting):
+def prior(setting):
     """State (ln d, phi) and covariance before the first sample, as `filter_records` takes them."""
     relative = setting.prior_std_m / setting.prior_range_m
     return log(setting.prior_range_m), 0.0, relative * relative, 0.0, setting.coloured_variance_db2
 
 
 @inner
-def _predict(state, psi_m, process_noise, a, sigma_w2, setting):
+def predict_state(state, psi_m, process_noise, a, sigma_w2, setting):
     """`predict` of `state` (ln d, phi, p_xx, p_xp, p_pp)."""
     x, phi, p_xx, p_xp, p_pp = state
     return predict(x, phi, p_xx, p_xp, p_pp, psi_m, process_noise, a, sigma_w2, setting.range_floor_m)
 
 
 @inner
-def _update(state, rss_dbm, setting):
+def update_state(state, rss_dbm, setting):
     """`update` of `state` by one sample (dBm)."""
     x, phi, p_xx, p_xp, p_pp = state
     return update(
@@ -89,7 +89,7 @@ def _update(state, rss_dbm, setting):
 
 
 @inner
-def _innovation(state, rss_dbm, setting):
+def innovation(state, rss_dbm, setting):
     """Innovation (dB) of one sample (dBm) and its variance (dB^2)."""
     x, phi, p_xx, p_xp, p_pp = state
     return innovate(
@@ -101,4 +101,6 @@ def _innovation(state, rss_dbm, setting):
 @kernel
 def run(time_s, rss_dbm, rate_mps, setting, out):
     """The filter over a batch of records; the first sample is an update like any other, as it is exact."""
-    filter_records(_prior, _update, _predict, _update, _innovation, exp, time_s, rss_dbm, rate_mps, setting, out)
+    filter_records(
+        prior, update_state, predict_state, update_state, innovation, exp, time_s, rss_dbm, rate_mps, setting, out
+    )

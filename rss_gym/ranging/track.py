@@ -6,7 +6,6 @@
 (3,)
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,36 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rss_gym.checks import instance
-from rss_gym.params import Channel, Clock, Group, ParamsError, Ranging, number, suggestion
-from rss_gym.ranging import filters, log_distance, window
+from rss_gym.params import Channel, Clock, Group, ParamsError, Ranging, number
+from rss_gym.ranging import ESTIMATORS, Estimator
 from rss_gym.ranging.batch import Output, Setting
 
 WORLD = Ranging()
 TICK_S = Clock().tick_s
 RSS_MAX_DBM = 1000.0  # far beyond any receiver; ranges overflow at some thousands
 WHITE_VARIANCE_MIN_DB2 = 1e-6  # keeps R positive, as in the world
-
-
-@dataclass(frozen=True)
-class Estimator:
-    """A run over records and how `track` sets it: `run(time_s, rss_dbm, rate_mps, Setting, Output)`, a kernel."""
-
-    run: Callable[..., None]
-    white_is_total: bool = False  # its white variance is R + S
-    literal: bool = False  # d(0) is the first sample inverted, phi(0) = 0, P(0) = I
-    logarithmic: bool = False  # its state is ln d
-
-
-ESTIMATORS: dict[str, Estimator] = {
-    "ls": Estimator(filters.run_inverse, white_is_total=True),
-    "ls-window": Estimator(window.run),
-    "ekf-white": Estimator(filters.run_white, white_is_total=True),
-    "ekf-white-literal": Estimator(filters.run_white, white_is_total=True, literal=True),
-    "ekf-white-r": Estimator(filters.run_white),
-    "ekf-coloured": Estimator(filters.run_coloured),
-    "ekf-coloured-literal": Estimator(filters.run_coloured, literal=True),
-    "ekf-log": Estimator(log_distance.run, logarithmic=True),
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,7 +128,7 @@ def track(
     Parameters
     ----------
     estimator : str
-        A name of `ESTIMATORS`; "ekf-coloured", "ekf-white" and "ls" are the world's.
+        A name of `ESTIMATORS`.
     time_s : array_like
         Times of the samples, s, strictly increasing, regular or not. Shape (n,), or (k, n).
     rss_dbm : array_like
@@ -175,8 +152,7 @@ def track(
         For an unknown estimator, a wrong type or shape, times that do not increase, infinite values, or RSS beyond
         1000 dBm on either side of 0.
     """
-    if not isinstance(estimator, str) or estimator not in ESTIMATORS:
-        raise ParamsError(f"estimator = {estimator!r} is unknown{suggestion(str(estimator), ESTIMATORS)}")
+    chosen = ESTIMATORS.find(estimator)
     tuning = Tuning() if tuning is None else tuning
     instance("channel", channel, Channel)
     instance("tuning", tuning, Tuning)
@@ -198,9 +174,9 @@ def track(
     rate = np.full((1, rss.shape[-1]), np.nan)
     if range_rate_mps is not None:
         rate = _rows("range_rate_mps", range_rate_mps, rss.shape)
-    chosen, shape = ESTIMATORS[estimator], np.atleast_2d(rss).shape
+    shape = np.atleast_2d(rss).shape
     out = Output(*(np.full(size, np.nan) for size in (shape, shape, (*shape, 3), shape, shape)))
-    chosen.run(time, np.atleast_2d(rss), rate, _setting(chosen, channel, tuning), out)
+    chosen.run_records(time, np.atleast_2d(rss), rate, _setting(chosen, channel, tuning), out)
     if rss.ndim == 1:
         out = Output(*(array[0] for array in out))
     return RangeTrack(*out, chosen.logarithmic)

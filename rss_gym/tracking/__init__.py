@@ -1,41 +1,35 @@
 """Where the other is and how it moves: a tracker makes one relative state with its covariance of what is sensed.
 
 It runs once a decision for every intruder, after sensing, on `sensed.OWN` and `sensed.OTHER` alone. `latest` holds the
-message, `fused` filters messages, velocities and range, `bearings` knows ranges and velocities only.
+message, `fused` filters messages, velocities and range, `bearings` knows ranges and velocities only. A new one is one
+file and one line in `TRACKERS`, or `rss_gym.register_tracker`.
 """
 
-from typing import Any, Final, Protocol
-
-from rss_gym.tracking import bank
+from rss_gym.registry import Registry
+from rss_gym.tracking import bank, bearings, fused, latest
 from rss_gym.tracking.models import MODEL, model
 from rss_gym.tracking.record import BANK, BEARINGS, FUSED, FUSED_COLUMNS, LATEST, TRACK
+from rss_gym.tracking.tracker import Advance, Tracker, check
 
-TRACKERS: Final = {"latest": LATEST, "fused": FUSED, "bearings": BEARINGS}
+__all__ = ["MODEL", "TRACK", "TRACKERS", "Advance", "Tracker", "memory_columns", "model"]
 
-__all__ = ["BEARINGS", "FUSED", "LATEST", "MODEL", "TRACK", "TRACKERS", "Tracker", "memory_columns", "model"]
+_SHIPPED: dict[str, Tracker] = {
+    "latest": Tracker("the message held, moved on by its age", latest.advance, code=LATEST),
+    "fused": Tracker(
+        "a Kalman filter over messages, velocities and the range", fused.advance, FUSED_COLUMNS, code=FUSED
+    ),
+    "bearings": Tracker(
+        "ranges and velocities only: a bank of bearings",
+        bearings.advance,
+        BANK + bank.SIZE,
+        information=("ranges",),
+        code=BEARINGS,
+    ),
+}
 
-
-class Tracker(Protocol):
-    """A module with one kernel; a memory of zeros has seen nothing of the episode."""
-
-    def advance(self, own: Any, other: Any, memory: Any, track: Any, model: Any) -> None:
-        """Advance by a decision, or open with the first message, and write `track`.
-
-        Parameters
-        ----------
-        own, other : records
-            `sensed.OWN` and one of `sensed.OTHER`.
-        memory : (columns,) array
-            As `memory_columns` says; rewritten.
-        track : record
-            One of `TRACK`; rewritten. Only `valid` means anything while that is false.
-        model : record
-            `model(params)[0]`.
-        """
+TRACKERS: Registry[Tracker] = Registry("tracker", _SHIPPED, check, like="my-tracker")
 
 
 def memory_columns(tracker: str) -> int:
     """Floats that a tracker remembers of one intruder."""
-    if tracker == "bearings":
-        return BANK + bank.SIZE
-    return FUSED_COLUMNS if tracker == "fused" else 1
+    return TRACKERS[tracker].columns

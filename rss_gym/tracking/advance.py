@@ -9,7 +9,7 @@ bearings_advance, fused_advance, latest_advance = bearings.advance, fused.advanc
 
 @inner
 def advance(tracker, own, other, memory, track, model):
-    """Advance the track of one intruder; arguments as in `tracking.Tracker`."""
+    """Advance the track of one intruder; arguments as in `tracking.Advance`."""
     if tracker == FUSED:
         fused_advance(own, other, memory, track, model)
     elif tracker == BEARINGS:

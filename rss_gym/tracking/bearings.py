@@ -17,7 +17,7 @@ bank_start, bank_advance, sides, summed = bank.start, bank.advance, bank.sides, 
 
 @kernel
 def advance(own, other, memory, track, model):
-    """Advance the bank of one intruder by a decision and write its track. Arguments: see `tracking.Tracker`."""
+    """Advance the bank of one intruder by a decision and write its track. Arguments: see `tracking.Advance`."""
     m = memory
     track.valid = other.valid
     if not other.valid:

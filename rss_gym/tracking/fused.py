@@ -217,7 +217,7 @@ def use_range(m, other, track, model):
 
 @kernel
 def advance(own, other, memory, track, model):
-    """Advance the filter of one intruder by a decision and write its track. Arguments: see `tracking.Tracker`."""
+    """Advance the filter of one intruder by a decision and write its track. Arguments: see `tracking.Advance`."""
     m, t = memory, model.decision_s
     track.valid = other.valid
     if not other.valid:

@@ -16,7 +16,7 @@ def vertical_m2(own, other, model):
 
 @kernel
 def advance(own, other, memory, track, model):
-    """Write the track of one intruder. Arguments as for every tracker, `tracking.Tracker`."""
+    """Write the track of one intruder. Arguments as for every tracker, `tracking.Advance`."""
     track.valid = other.valid
     if not other.valid:
         return

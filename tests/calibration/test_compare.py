@@ -8,11 +8,11 @@ import pytest
 from rss_gym.calibration.fit import fit
 from rss_gym.eval.studies.calibration.calibrate import calibrate
 from rss_gym.eval.studies.calibration.compare import compare
-from rss_gym.eval.studies.calibration.methods import METHODS, available, ranges
+from rss_gym.eval.studies.calibration.methods import available, methods, ranges
 from rss_gym.eval.studies.calibration.tune import GRID, SHARE, tune
 from rss_gym.params import ParamsError
 
-CONSTANT = {"constant": METHODS["constant"]}
+CONSTANT = {"constant": methods()["constant"]}
 
 
 def errors_m(result, name):
@@ -78,7 +78,7 @@ def test_process_noise_is_the_best_of_the_grid(result):
 
 def test_range_rate_needs_velocities_everywhere(flown):
     rated, bare = flown(300, 1, rated=True), flown(300, 2)
-    assert list(available([rated, rated])) == list(METHODS)
+    assert list(available([rated, rated])) == list(methods())
     assert [name for name in available([rated, bare]) if name.endswith("-rate")] == []
 
 

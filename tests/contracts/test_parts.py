@@ -1,16 +1,28 @@
-"""Every channel, family and suite keeps the contract that parts of a user's own are held to."""
+"""Every part of the registries keeps the contract that parts of a user's own are held to."""
 
 import pytest
 
 from rss_gym.encounters import FAMILIES
 from rss_gym.eval.suites import SUITES
 from rss_gym.params import CHANNELS
-from rss_gym.testing import check_channel, check_family, check_suite
+from rss_gym.ranging import ESTIMATORS
+from rss_gym.testing import check_channel, check_estimator, check_family, check_suite, check_tracker
+from rss_gym.tracking import TRACKERS
 
 
 @pytest.mark.parametrize("name", CHANNELS)
 def test_every_channel(name):
     check_channel(name)
+
+
+@pytest.mark.parametrize("name", ESTIMATORS)
+def test_every_estimator(name):
+    check_estimator(name)
+
+
+@pytest.mark.parametrize("name", TRACKERS)
+def test_every_tracker(name):
+    check_tracker(name)
 
 
 @pytest.mark.parametrize("name", FAMILIES)

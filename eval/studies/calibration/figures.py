@@ -11,6 +11,7 @@ from rss_gym.calibration.logs import LogRecord
 from rss_gym.checks import Floats
 from rss_gym.eval.studies.calibration.calibrate import Calibration
 from rss_gym.eval.studies.calibration.compare import SHARES
+from rss_gym.eval.studies.calibration.methods import RATE
 from rss_gym.eval.studies.calibration.text import printable
 from rss_gym.pages.figure import COLOURS, INK, MUTED, NOMINAL, figure
 from rss_gym.radio import GaussMarkov, allan_model, received
@@ -33,7 +34,7 @@ def thinned(length: int, count: int) -> slice:
 
 def colour_of(name: str) -> str:
     """The colour of a method."""
-    return METHOD_COLOURS[name.removesuffix("-rate")]
+    return METHOD_COLOURS.get(name.removesuffix(RATE), COLOURS[3])
 
 
 def errors(result: Calibration) -> str:

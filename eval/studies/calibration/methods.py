@@ -1,4 +1,4 @@
-"""What is compared: each estimator of range, its start and its tuning, one line each."""
+"""What is compared: each estimator of range that is registered for it, and its tuning."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ import numpy as np
 from rss_gym.calibration.fit import Fit
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.checks import Floats
+from rss_gym.ranging import ESTIMATORS
 from rss_gym.ranging.track import Tuning, track
 
 WINDOW_S = 5.0
+RATE = "-rate"  # end of the name of a method with the range rate
 _RANGE, _LOG = "process_noise_m2_ps", "relative_noise_ps"
 _RANGE_RATE, _LOG_RATE = "process_noise_rate_m2_ps", "relative_noise_rate_ps"
 
@@ -25,7 +27,7 @@ class Method:
     title : str
         For readers.
     estimator : str, optional
-        Of `rss_gym.ranging.track.ESTIMATORS`; none for the constant guess.
+        Of `rss_gym.ranging.ESTIMATORS`; none for the constant guess.
     tuned : str, optional
         The field of `Tuning` that is tuned on the fitted part.
     base : str, optional
@@ -38,26 +40,24 @@ class Method:
     base: str | None = None
 
 
-METHODS: dict[str, Method] = {
-    "constant": Method("constant guess"),
-    "ls": Method("least squares, each sample", "ls"),
-    "ls-window": Method(f"least squares, mean of {WINDOW_S:g} s", "ls-window"),
-    "ekf-white-r": Method("white EKF, R alone", "ekf-white-r", _RANGE),
-    "ekf-white": Method("white EKF, R + S", "ekf-white", _RANGE),
-    "ekf-coloured-literal": Method("coloured EKF, literal start", "ekf-coloured-literal", _RANGE),
-    "ekf-coloured": Method("coloured EKF", "ekf-coloured", _RANGE),
-    "ekf-log": Method("coloured EKF, state ln d", "ekf-log", _LOG),
-    "ekf-white-r-rate": Method("white EKF, R alone, with range rate", "ekf-white-r", _RANGE_RATE, "ekf-white-r"),
-    "ekf-white-rate": Method("white EKF, R + S, with range rate", "ekf-white", _RANGE_RATE, "ekf-white"),
-    "ekf-coloured-rate": Method("coloured EKF, with range rate", "ekf-coloured", _RANGE_RATE, "ekf-coloured"),
-    "ekf-log-rate": Method("coloured EKF, state ln d, with range rate", "ekf-log", _LOG_RATE, "ekf-log"),
-}
+def methods() -> dict[str, Method]:
+    """The constant guess, and every estimator that is compared, then those that use the range rate with it."""
+    compared = {name: part for name, part in ESTIMATORS.items() if part.compared}
+    found = {"constant": Method("constant guess")}
+    for name, part in compared.items():
+        tuned = (_LOG if part.logarithmic else _RANGE) if part.tuned else None
+        found[name] = Method(part.title, name, tuned)
+    for name, part in compared.items():
+        if part.tuned and not part.literal:
+            tuned = _LOG_RATE if part.logarithmic else _RANGE_RATE
+            found[f"{name}{RATE}"] = Method(f"{part.title}, with range rate", name, tuned, name)
+    return found
 
 
 def available(records: list[LogRecord]) -> dict[str, Method]:
     """The methods that these records allow: those with psi need a range rate in each of them."""
     rated = all(record.range_rate_mps is not None for record in records)
-    return {name: method for name, method in METHODS.items() if rated or method.base is None}
+    return {name: method for name, method in methods().items() if rated or method.base is None}
 
 
 def ranges(method: Method, record: LogRecord, fit: Fit, tuning: Tuning) -> Floats:
