@@ -32,7 +32,7 @@ def test_list_names_everything(capsys):
 
 def test_list_json(capsys):
     status, out, _ = run(capsys, "list", "--json")
-    titles = {"ids", "policies", "drivers", "channels", "families", "recipes", "suites"}
+    titles = {"ids", "policies", "drivers", "channels", "estimators", "trackers", "families", "recipes", "suites"}
     assert status == 0 and set(json.loads(out)) == titles
 
 

@@ -298,7 +298,8 @@ def imported(module):
             for other in names:
                 path = PACKAGE.joinpath(*other.split(".")[1:])
                 is_module = path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()
-                if other.split(".")[0] == "rss_gym" and is_module and other not in found:
+                # The package itself comes with each of its modules; it loads no layer before a door is used (tested).
+                if other.startswith("rss_gym.") and is_module and other not in found:
                     found.add(other)
                     queue.append(other)
     return found

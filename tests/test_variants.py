@@ -3,6 +3,7 @@
 import copy
 import functools
 import pickle
+import time
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import rss_gym
 from rss_gym import variants, world
 from rss_gym.core import Batch
 from rss_gym.eval import evaluate
+from rss_gym.eval.studies.calibration.figures import colour_of
+from rss_gym.eval.studies.calibration.methods import methods
 from rss_gym.jit import digest_of, kernel
 from rss_gym.params import Params, ParamsError
 from rss_gym.ranging import ESTIMATORS, Estimator, Filter, filters, log_distance
@@ -178,3 +181,19 @@ def test_scores_of_a_registered_estimator(copies):
     result = evaluate("none", episodes=40, estimator="copy-of-ekf-coloured", progress=False)
     assert result["none"] == evaluate("none", episodes=40, progress=False)["none"]
     assert isinstance(Batch(Params.of(estimator="copy-of-ekf-coloured"), 1), Batch)
+
+
+def test_a_registered_estimator_is_compared_with_the_others(copies):
+    found = methods()
+    assert found["copy-of-ekf-white"].title == "copy"
+    assert found["copy-of-ekf-white-rate"].base == "copy-of-ekf-white"
+    assert colour_of("copy-of-ekf-white-rate") == colour_of("copy-of-ekf-white")
+
+
+def test_looking_up_the_world_of_a_part_costs_little():
+    params = Params()
+    variants.kernels(params)
+    start = time.perf_counter()
+    for _ in range(1000):
+        variants.kernels(params)
+    assert time.perf_counter() - start < 0.05
