@@ -91,9 +91,8 @@ def test_it_flies_on_a_road():
     import gymnasium as gym
 
     env = gym.make("rss_gym/Highway-v0", estimator="ekf-log")
-    observation, _ = env.reset(seed=0)
-    for _ in range(5):
-        observation, *_ = env.step(env.action_space.sample())
+    env.reset(seed=0)
+    observation, *_ = env.step(1)  # highway-env's meta-action IDLE
     assert np.isfinite(observation).all()
     env.close()
 
