@@ -12,10 +12,12 @@ from __future__ import annotations
 import dataclasses
 import os
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, get_args
 
-from rss_gym.baselines import shipped
+from rss_gym.baselines import road, shipped
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.blind import Back, Blind, Climb, Constant, Stop, Velocity
 from rss_gym.baselines.cbf import Cbf
@@ -28,6 +30,7 @@ from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
 from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.baselines.shipped import AGENTS
+from rss_gym.domain import AIR, ROAD, domain_of
 from rss_gym.params import Information, Params, ParamsError, Tracking, suggestion
 from rss_gym.registry import Registry
 
@@ -45,6 +48,7 @@ __all__ = [
     "is_known",
     "make",
     "parse",
+    "policies",
 ]
 
 RUN_AGENT = "agent"  # where a run keeps its policy
@@ -115,10 +119,15 @@ class Parsed:
         return self.rule + (f"@{self.information}" if self.information else "") + (f"+{self.base}" if self.base else "")
 
 
+def policies(params: Params) -> Mapping[str, type[Scripted]]:
+    """The scripted policies of a world's domain."""
+    return road.POLICIES if domain_of(params) is ROAD else POLICIES
+
+
 def is_known(spec: str) -> bool:
-    """Whether the specification starts with a name of `POLICIES` or `AGENTS`."""
+    """Whether the specification starts with a name of a scripted policy or of `AGENTS`."""
     name = re.split("[:@+]", spec, maxsplit=1)[0]
-    return name in POLICIES or name in AGENTS
+    return name in POLICIES or name in road.POLICIES or name in AGENTS
 
 
 def is_folder(spec: str) -> bool:
@@ -141,8 +150,10 @@ def is_code(spec: str) -> bool:
     return ":" in spec and not is_known(spec) and not is_folder(spec) and not spec.endswith(PICKLED)
 
 
-def parse(spec: str) -> Parsed:
+def parse(spec: str, params: Params | None = None) -> Parsed:
     """Take apart `rule`, `rule@information`, `rule:option=value,option=value`, `cbf+NAME`, and what these combine to.
+
+    The names are those of the world's domain, or, without a world, of both.
 
     Raises
     ------
@@ -152,15 +163,17 @@ def parse(spec: str) -> Parsed:
     own, _, base = re.sub(r"(?<!=)\+(?=[A-Za-z./])", "\n", spec, count=1).partition("\n")  # not that of 1e+2
     head, _, text = own.partition(":")
     rule, at, information = head.partition("@")
-    if rule not in POLICIES and rule not in AGENTS:
-        raise ParamsError(f"policy {rule!r} is unknown{suggestion(rule, [*POLICIES, *AGENTS])}")
+    kinds = {**road.POLICIES, **POLICIES} if params is None else policies(params)
+    if rule not in kinds and rule not in AGENTS:
+        where = " on a road" if kinds is road.POLICIES else ""
+        raise ParamsError(f"policy {rule!r} is unknown{where}{suggestion(rule, [*kinds, *AGENTS])}")
     if at and information not in LEVELS:
         raise ParamsError(f"policy {spec!r}: information {information!r} is unknown{suggestion(information, LEVELS)}")
     if base and (rule != FILTER or at):
         raise ParamsError(
             f"policy {spec!r}: only {FILTER!r} goes round another policy, and flies on the information of that"
         )
-    known, options = list(_options(POLICIES[rule])) if rule in POLICIES else [], dict[str, float]()
+    known, options = list(_options(kinds[rule])) if rule in kinds else [], dict[str, float]()
     for item in filter(None, text.split(",")):
         key, equals, value = item.partition("=")
         key = key.strip()
@@ -196,7 +209,7 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
         For what `parse` or `rss_gym.baselines.agent.load` refuses, an option out of range, a level of information or a
         plane that the policy cannot fly on or in, or a contradiction with the world.
     """
-    flown = Params.of(params, action="velocity")
+    flown = Params.of(action="velocity") if params is None else domain_of(params).commanded(params)
     folder = folder_of(spec)
     if folder is not None:
         return load(folder, None if params is None else flown)
@@ -205,12 +218,13 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
             f"policy {spec!r} is a file whose reading runs code from it: make a policy folder of it with "
             "`rss-gym export` and name that"
         )
-    parsed = parse(spec)
+    parsed = parse(spec, flown)
     if parsed.information:
         flown = informed(flown, parsed.information)
     if parsed.rule in AGENTS:
         return load(AGENTS[parsed.rule], flown, f"policy {spec!r}, trained in {shipped.home(parsed.rule)}")
-    kind = POLICIES[parsed.rule]
+    kind = policies(flown)[parsed.rule]
+    flown = kind.home(flown)
     base = make(parsed.base, flown) if parsed.base else None
     if base:
         flown = base.params
@@ -232,7 +246,7 @@ def make(spec: str, params: Params | None = None) -> Scripted | Agent:
 def informed(params: Params, information: str) -> Params:
     """The world with another level of information: of the trackers, `bearings` is for `ranges` and no other level."""
     keywords: dict[str, Any] = {"information": information}
-    if "ranges" == params.interface.information != information:
+    if domain_of(params) is AIR and "ranges" == params.interface.information != information:
         keywords["tracker"] = Tracking().tracker
     return Params.of(params, **keywords)
 
@@ -244,15 +258,20 @@ def _options(kind: type[Scripted]) -> dict[str, Any]:
 
 def able(params: Params) -> list[str]:
     """Names of all that can fly in this world, on its information, at their defaults."""
-    level, planar = params.interface.information, params.encounter.planar
-    rules = [name for name, kind in POLICIES.items() if level in kind.information and not (kind.in_space and planar)]
-    return rules + [name for name in AGENTS if shipped.fits(name, params)]
+    found = []
+    for name, kind in policies(params).items():
+        level = kind.home(params).interface.information
+        if level in kind.information and not (kind.in_space and params.encounter.planar):
+            found.append(name)
+    return found + [name for name in AGENTS if shipped.fits(name, params)]
 
 
-def describe() -> dict[str, dict[str, Any]]:
+def describe(
+    kinds: Mapping[str, type[Scripted]] = POLICIES, agents: Mapping[str, Path] = AGENTS
+) -> dict[str, dict[str, Any]]:
     """Name -> summary and options with their defaults, for listings."""
     rules = {
         name: {"summary": (kind.__doc__ or "").strip().splitlines()[0], "options": _options(kind)}
-        for name, kind in POLICIES.items()
+        for name, kind in kinds.items()
     }
-    return rules | {name: {"summary": shipped.summary(folder), "options": {}} for name, folder in AGENTS.items()}
+    return rules | {name: {"summary": shipped.summary(folder), "options": {}} for name, folder in agents.items()}

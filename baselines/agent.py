@@ -19,10 +19,12 @@ from rss_gym.baselines.policy_files import (
     Network,
     document_of,
     network_of,
+    outputs,
     read,
     same_names,
     tensors_of,
 )
+from rss_gym.domain import domain_of
 from rss_gym.params import Params, ParamsError
 
 
@@ -52,11 +54,12 @@ class Agent:
         self._biases = tuple(tensors[f"{index}.bias"] for index in range(count))
         kinds = [ACTIVATIONS[network.activation]] * len(network.layers)
         self._activations = np.array([*kinds, ACTIVATIONS["tanh" if network.squash else "identity"]])
+        self.discrete = outputs(params)[1]
 
     def predict(
         self, observation_: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[np.ndarray, np.ndarray]:
-        """SB3's `predict`; always the mean action.
+        """SB3's `predict`; always the mean action, or the likeliest of discrete ones.
 
         Parameters
         ----------
@@ -70,8 +73,14 @@ class Agent:
         Returns
         -------
         actions, state
-            float32 (axes,) or (n, axes), and the memory: older observations and the recurrent layer's state.
+            float32 (axes,) or (n, axes), of discrete actions () or (n,), and the memory.
         """
+        found, memory = self.outputs(observation_, state, episode_start)
+        actions = found.argmax(axis=1) if self.discrete else np.clip(found, -1.0, 1.0).astype(np.float32)
+        return (actions if np.ndim(observation_) > 1 else actions[0]), memory
+
+    def outputs(self, observation_: Any, state: Any, episode_start: Any) -> tuple[np.ndarray, np.ndarray]:
+        """The network's outputs (n, m), and the memory: older observations and the recurrent layer's state."""
         values = np.asarray(observation_, dtype=np.float64)
         rows = np.atleast_2d(values) * self._kept
         older = rows.shape[1] * (self.network.stack - 1)
@@ -89,10 +98,9 @@ class Agent:
             w_input, w_hidden = self._tensors["lstm.input"], self._tensors["lstm.hidden"]
             long_short_term(w_input, w_hidden, self._tensors["lstm.bias"], inputs, recurrent, hidden)
             memory[:, older:], inputs = recurrent, hidden
-        outputs = np.empty((len(rows), len(self._biases[-1])))
-        feed_forward(self._weights, self._biases, self._activations, np.ascontiguousarray(inputs), outputs)
-        actions = np.clip(outputs, -1.0, 1.0).astype(np.float32)
-        return (actions if values.ndim > 1 else actions[0]), memory
+        found = np.empty((len(rows), len(self._biases[-1])))
+        feed_forward(self._weights, self._biases, self._activations, np.ascontiguousarray(inputs), found)
+        return found, memory
 
 
 def load(folder: str | os.PathLike[str], params: Params | None = None, called: str | None = None) -> Agent:
@@ -122,7 +130,7 @@ def load(folder: str | os.PathLike[str], params: Params | None = None, called: s
         if document["observation"] != known:
             raise ParamsError(
                 f"{DOCUMENT}: it was made for {len(document['observation'])} fields, and this world has {len(known)} "
-                "or others; planar and intruders must be as in training"
+                "or others; planar and intruders must be as in training, on a road scene and vehicles"
             )
         tensors = tensors_of(blob, network.shapes(flown))
     except ParamsError as error:
@@ -139,4 +147,4 @@ def _params_of(document: dict[str, Any], params: Params | None) -> Params:
     own, level = made_for.interface.information, params.interface.information
     if own != level:
         raise ParamsError(f"it cannot fly on information {level!r}: it was trained on {own!r} and flies there only")
-    return Params.of(params, action="velocity")
+    return domain_of(params).commanded(params)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rss_gym import observation
+from rss_gym.domain import domain_of
 from rss_gym.params import Params
 
 # What the filter of a link holds. The track that the range has been fused into stays; `tracker="latest"` is without.
@@ -23,11 +23,13 @@ RANGE = (
     "consecutive_warnings",
 )
 
+OTHERS = ("intruder_", "vehicle_")  # what the names of their fields begin with
+
 # What is taken away -> whether it holds this field.
 MASKS: dict[str, Callable[[str], bool]] = {
     "nothing": lambda name: False,
-    "range": lambda name: name.startswith("intruder_") and name.partition(".")[2] in RANGE,
-    "radio": lambda name: name.startswith("intruder_"),
+    "range": lambda name: name.startswith(OTHERS) and name.partition(".")[2] in RANGE,
+    "radio": lambda name: name.startswith(OTHERS),
 }
 
 
@@ -37,9 +39,9 @@ def kept(zeroed: str, params: Params, stack: int = 1) -> np.ndarray:
     Parameters
     ----------
     zeroed : str
-        One of `MASKS`: `range` is what the filter of the link holds, `radio` all that is known of the intruders.
+        One of `MASKS`: `range` is what the filter of the link holds, `radio` all that is known of the others.
     params : Params
     stack : int
     """
-    row = [not MASKS[zeroed](field.name) for field in observation.fields(params)]
+    row = [not MASKS[zeroed](field.name) for field in domain_of(params).fields(params)]
     return np.tile(np.array(row, np.float32), stack)

@@ -46,6 +46,11 @@ class Scripted(Group):
     information: ClassVar[tuple[str, ...]] = get_args(Information)
     in_space: ClassVar[bool] = False
 
+    @classmethod
+    def home(cls, params: Params) -> Params:
+        """The world that it flies in, of the one that it is made for."""
+        return params
+
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Actions (n, 3) along, right, up; `seen` in SI units, own (n,) and per intruder (n, K); memory in place."""
         raise NotImplementedError

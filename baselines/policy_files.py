@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Discrete
 
-from rss_gym import observation
 from rss_gym.baselines.masks import MASKS
 from rss_gym.baselines.network import ACTIVATIONS
+from rss_gym.domain import domain_of
 from rss_gym.params import Params, ParamsError, suggestion
 
 DOCUMENT, WEIGHTS = "policy.json", "policy.safetensors"
@@ -56,12 +57,11 @@ class Network:
 
     def inputs(self, params: Params) -> list[str]:
         """Names of the fields of an observation of this world."""
-        return [field.name for field in observation.fields(params)]
+        return [field.name for field in domain_of(params).fields(params)]
 
     def shapes(self, params: Params) -> dict[str, tuple[int, ...]]:
         """The tensors' shapes in this world."""
         width = self.stack * len(self.inputs(params))
-        axes = 2 if params.encounter.planar else 3
         found: dict[str, tuple[int, ...]] = {}
         if self.clip:
             found |= {"mean": (width,), "std": (width,)}
@@ -69,10 +69,17 @@ class Network:
             found |= {"lstm.input": (width, 4 * self.lstm), "lstm.hidden": (self.lstm, 4 * self.lstm)}
             found |= {"lstm.bias": (4 * self.lstm,)}
             width = self.lstm
-        for index, units in enumerate((*self.layers, axes)):
+        for index, units in enumerate((*self.layers, outputs(params)[0])):
             found |= {f"{index}.weight": (width, units), f"{index}.bias": (units,)}
             width = units
         return found
+
+
+def outputs(params: Params) -> tuple[int, bool]:
+    """How many numbers the network gives in this world, and whether the largest of them is the action."""
+    space: Any = domain_of(params).spaces(params)[1]
+    discrete = isinstance(space, Discrete)
+    return (int(space.n) if discrete else int(space.shape[0])), discrete
 
 
 def read(folder: Path) -> tuple[bytes, bytes]:

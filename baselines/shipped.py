@@ -1,6 +1,6 @@
 """The learned policies that come with the package: a folder each in `agents/`, whose name is the policy's.
 
-`rss_gym.train.ship` makes these folders from trainings; those of drivers are in `road/agents/`.
+`rss_gym.train.ship` makes these folders from trainings, in the air and on roads.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def home(name: str) -> str:
 def summary(folder: Path) -> str:
     """One line for listings."""
     recipe = _recipe(folder)
-    head, blind = recipe["recipe"], recipe["world"].get("radio") is False
+    head, blind = recipe["recipe"], recipe["policy"]["zeroed"] == "radio"
     return f"Learned in {head['env']}{', blind to the others' if blind else ''}: {head['summary']}."
 
 

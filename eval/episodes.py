@@ -9,15 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.core import SPLITS, Batch, NotFiniteError, decode
-from rss_gym.eval.table import TABLE
+from rss_gym.core import SPLITS, BaseBatch, NotFiniteError
+from rss_gym.domain import domain_of
+from rss_gym.eval.table import TABLES
 from rss_gym.params import Params
 from rss_gym.physics.random import uniform
 from rss_gym.streams import STREAM_SAMPLE
 
-COLUMNS_OF_EPISODE = (
-    "family channel approach_s collision snmac zone zone_severity min_separation_m closest_s deviation_mean_m "
-    "deviation_max_m flown_m cost_m warned_s false_alerts"
+# Columns of a table that are not the episode's own of the same name.
+MEASURED = (
+    "episode duration_s flown_s manoeuvre_m planned_m deviation_end_m missed_ticks sample_separation_m sample_range_m "
+    "fault"
 ).split()
 
 
@@ -50,9 +52,9 @@ class Block:
         return f"{numbers} of seed {self.seed}, split {self.split!r}"
 
 
-def start(params: Params, block: Block) -> Batch:
+def start(params: Params, block: Block) -> BaseBatch:
     """A batch on the first decision of the block's episodes."""
-    batch, everything = Batch(params, block.count), np.ones(block.count, bool)
+    batch, everything = domain_of(params).make_batch(params, block.count), np.ones(block.count, bool)
     batch.seed(np.full(block.count, block.seed, np.uint64))
     batch.split[:], batch.numbers[:] = SPLITS[block.split], block.numbers
     batch.reset(everything)
@@ -63,7 +65,7 @@ def command(policy: Any, name: str, observations: np.ndarray, state: Any, first:
     """Ask the policy; its argument is a copy, so it cannot change what is scored."""
     try:
         answer = policy.predict(observations.copy(), state=state, episode_start=first, deterministic=True)
-    except NotFiniteError:  # of a world that the policy looks ahead in: no fault of its own
+    except NotFiniteError:  # of a params that the policy looks ahead in: no fault of its own
         raise
     except (Exception, SystemExit) as error:
         raise PolicyError(f"policy {name!r} raised {described(error)}") from error
@@ -82,14 +84,14 @@ def described(error: BaseException) -> str:
 
 
 def checked(actions: Any, name: str, params: Params, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Decoded actions (n, 3), and the rows whose action is not finite, which fly on with zero."""
+    """Decoded actions, one a row, and the rows whose action is not finite, which go on with zero."""
     bad = np.zeros(count, bool)
     try:
         values = np.array(actions)
         if values.dtype.kind == "f" and values.ndim == 2 and len(values) == count:
             bad = ~np.isfinite(values).all(axis=1)
             values[bad] = 0.0
-        return decode(values, params, count), bad
+        return domain_of(params).decode(values, params, count), bad
     except Exception as error:  # of whatever kind: `actions` is anything a policy may return
         raise PolicyError(f"policy {name!r}: {' '.join(str(error).split())}") from error
 
@@ -107,7 +109,7 @@ def fly_episodes(
     params: Params,
     block: Block,
     nominal: list[np.ndarray] | None = None,
-    watch: Callable[[Batch], None] | None = None,
+    watch: Callable[[BaseBatch], None] | None = None,
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """Fly every episode of the block to its end.
 
@@ -118,30 +120,31 @@ def fly_episodes(
     name : str
         For error sentences.
     params : Params
-        The policy's world.
+        The policy's params.
     block : Block
         Which episodes.
-    nominal : list of (count, 3) arrays, optional
-        The agent's positions in the flights of `none`, one array a decision; None where this is `none`.
+    nominal : list of (count, axes) arrays, optional
+        The positions in the flights of `none`, as returned; None where this is `none`.
     watch : callable, optional
         Called with the batch after the reset and after every decision.
 
     Returns
     -------
-    table : (count,) array of TABLE
-    positions : list of (count, 3) arrays
-        The agent's positions after each decision, held once an episode has ended.
+    table : (count,) array
+        Of the columns of the domain, see `rss_gym.eval.table`.
+    positions : list of (count, axes) arrays
+        The agents' `positions_m` after each decision, and those that stay once all episodes have ended.
 
     Raises
     ------
     PolicyError
         When the policy raises or returns actions of the wrong shape or type.
     NotFiniteError
-        When a state of the world is not finite.
+        When a state of the params is not finite.
     """
     batch = start(params, block)
     episode, count = batch.episode, block.count
-    table = np.zeros(count, TABLE)
+    table = np.zeros(count, TABLES[domain_of(params).name])
     sampled = sample_decisions(episode, params)
     done, state = np.zeros(count, bool), None
     positions: list[np.ndarray] = []
@@ -150,9 +153,9 @@ def fly_episodes(
     while not done.all():
         step = len(positions)
         take = ~done & (sampled == step)
-        aircraft = batch.state.aircraft["position_m"]
-        table["sample_separation_m"][take] = np.linalg.norm(aircraft[take, 1] - aircraft[take, 0], axis=1)
-        table["sample_range_m"][take] = batch.state.links["range_m"][take, 0]
+        if take.any():
+            for column, values in zip(("sample_separation_m", "sample_range_m"), batch.sample(), strict=True):
+                table[column][take] = values[take]
         try:
             actions, state = command(policy, name, batch.observations, state, np.full(count, step == 0))
             decoded, bad = checked(actions, name, params, count)
@@ -160,21 +163,23 @@ def fly_episodes(
             raise PolicyError(f"{error}; at decision {step} of {block}; nothing was scored") from error.__cause__
         table["fault"] |= bad & ~done
         batch.step(decoded, ~done)
-        here = batch.state.aircraft["position_m"][:, 0].copy()
+        here = batch.positions_m
         if nominal is not None:
             # Where `none` ended in a collision its position is held; only encounters it survives are ever judged.
-            apart = np.linalg.norm(here - nominal[min(step, len(nominal) - 1)], axis=1)
-            np.maximum(table["manoeuvre_m"], np.where(done, 0.0, apart), out=table["manoeuvre_m"])
+            apart_m = np.linalg.norm(here - nominal[min(step, len(nominal) - 1)], axis=1)
+            np.fmax(table["manoeuvre_m"], np.where(done, 0.0, apart_m), out=table["manoeuvre_m"])
         positions.append(here)
         if watch:
             watch(batch)
         done = episode["terminated"] | episode["truncated"]
-    for column in COLUMNS_OF_EPISODE:
-        table[column] = episode[column]
+    batch.step(decoded, ~done)  # nobody moves any more
+    positions.append(batch.positions_m)
+    for column in table.dtype.names or ():
+        if column not in MEASURED:
+            table[column] = episode[column]
     table["episode"], table["missed_ticks"] = block.numbers, episode["missed"]
     table["duration_s"] = episode["ticks"] * params.clock.tick_s
     table["flown_s"] = episode["tick"] * params.clock.tick_s
     table["deviation_end_m"] = episode["deviation_m"]
-    speed = np.linalg.norm(batch.state.aircraft["planned_mps"][:, 0], axis=1)
-    table["planned_m"] = speed * table["flown_s"]
+    table["planned_m"] = batch.planned_mps * table["flown_s"]
     return table, positions

@@ -21,7 +21,7 @@ from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.policies import Entry, entry
 from rss_gym.eval.shown import Shown
 from rss_gym.eval.suites import Suite, find
-from rss_gym.eval.table import TABLE
+from rss_gym.eval.table import TABLES
 from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import Params, ParamsError
 
@@ -151,7 +151,7 @@ def fly_run(
     size = math.ceil(count / (workers * math.ceil(count / (workers * block))))
     starts = range(0, count, size)
     blocks = [Block(run.suite.split, run.seed, run.episodes[first : first + size]) for first in starts]
-    tables = [np.zeros(count, TABLE) for _ in run.entries]
+    tables = [np.zeros(count, TABLES[run.suite.domain.name]) for _ in run.entries]
     show = sys.stderr.isatty() if progress is None else progress
     with (
         closing(fly_blocks(run.entries, run.named, run.suite.params, blocks, workers, executor)) as flying,

@@ -23,7 +23,7 @@ from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.reading import Policy, Record, RecordError, load
 from rss_gym.eval.records import SCORES, TABLES
-from rss_gym.eval.report.tables import FIRST, MAIN, barred, cell, difference, heading, place_cell, scrolled
+from rss_gym.eval.report.tables import FIRST, barred, cell, difference, heading, main_metrics, place_cell, scrolled
 from rss_gym.eval.suites import SUITES
 from rss_gym.eval.verify import definition, entries_of, metrics_differences, official
 from rss_gym.files import new_folder
@@ -32,7 +32,7 @@ from rss_gym.params import Information
 
 PAGE, RECORDS = "index.html", "records"
 LEVELS = {
-    "oracle": "true states of the other aircraft",
+    "oracle": "true states of the others",
     "positions": "range by radio, and positions exchanged once warned",
     "ranges": "range by radio and velocities, no positions",
 }
@@ -59,6 +59,7 @@ class BoardRow:
     faults: int
     costs: Costs
     min_separation_m: np.ndarray
+    shown: tuple[str, ...]  # metrics, that of the ranking first
 
     @property
     def key(self) -> str:
@@ -191,6 +192,7 @@ def _row(record: Record, policy: Policy, number: int) -> BoardRow:
         faults=int(np.count_nonzero(policy.table["fault"])),
         costs=Costs.of(policy.table, Prices.of(record.params)),
         min_separation_m=policy.table["min_separation_m"].copy(),
+        shown=main_metrics(record.params),
     )
 
 
@@ -299,7 +301,7 @@ def _levels(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
 
 
 def _table(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
-    by_key = {row.key: row for row in rows}
+    by_key, shown = {row.key: row for row in rows}, rows[0].shown
     alphabet = {key: index for index, key in enumerate(sorted(by_key))}
     places = ranking.rank(row.candidate() for row in rows)
     lines = ""
@@ -310,13 +312,13 @@ def _table(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
         lines += (
             f"<tr{barred(place)}>{place_cell(place)}"
             f'<th scope="row" class="words" data-value="{alphabet[row.key]}">{text(row.name)}<span class="unit">{link}'
-            f"{why}</span></th>{cell(row.metrics.get(MAIN[0]))}{difference(place)}"
-            + "".join(cell(row.metrics.get(name)) for name in MAIN[1:])
+            f"{why}</span></th>{cell(row.metrics.get(shown[0]))}{difference(place)}"
+            + "".join(cell(row.metrics.get(name)) for name in shown[1:])
             + "</tr>\n"
         )
     headings = (
-        f'<th scope="col">place</th><th scope="col" class="words">policy</th>{heading(MAIN[0])}{FIRST}'
-        + "".join(heading(name) for name in MAIN[1:])
+        f'<th scope="col">place</th><th scope="col" class="words">policy</th>{heading(shown[0])}{FIRST}'
+        + "".join(heading(name) for name in shown[1:])
     )
     return scrolled(
         f'<table class="sortable policies"><thead><tr>{headings}</tr></thead>\n<tbody>\n{lines}</tbody></table>'

@@ -11,6 +11,7 @@ from typing import Any
 from rss_gym import baselines
 from rss_gym.baselines.agent import Agent
 from rss_gym.baselines.policy import Scripted
+from rss_gym.domain import domain_of
 from rss_gym.eval.imported import imported
 from rss_gym.params import Params, ParamsError
 
@@ -66,6 +67,9 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
     if isinstance(policy, (Scripted, Agent)):
         flown = policy.params
         needed, given = flown.interface.information, params.interface.information
+        if domain_of(flown) is not domain_of(params):
+            kinds = f"{domain_of(flown).name}, and the suite is one of the {domain_of(params).name}"
+            raise ParamsError(f"policy {spec!r} is made for the {kinds}")
         if needed not in (given, "oracle"):
             raise ParamsError(f"policy {spec!r} needs information {needed!r}, but the suite gives {given!r}")
         params = flown

@@ -67,7 +67,7 @@ def document(result: Result, policies: list[dict[str, Any]]) -> dict[str, Any]:
         "reference": result.reference,
         "families": result.suite.families,
         "params": result.suite.params.to_dict(),
-        "versions": versions(*result.suite.packages),
+        "versions": versions(*result.suite.domain.packages),
         "policies": policies,
     }
 

@@ -1,7 +1,7 @@
 """Suites: frozen, hashed definitions of what is flown.
 
 A new suite is one line in `SUITES`, or `rss_gym.register_suite`. The hash covers the parameters, the families of
-encounters and the version of the world, so scores of two definitions can never be mixed up.
+encounters or the road, and the version of the world, so scores of two definitions can never be mixed up.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ import dataclasses
 import hashlib
 import json
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from rss_gym import encounters
 from rss_gym.core import SPLITS
+from rss_gym.domain import Domain, domain_of
+from rss_gym.highway.params import RoadParams
+from rss_gym.highway.scene import SCENES
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.registry import Registry
-
-# Raised whenever the world itself gives other numbers for the same parameters.
-WORLD_VERSION = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,24 +41,21 @@ class Suite:
     split: str = "suite"
     seed: int = 0
 
-    packages: ClassVar[tuple[str, ...]] = ()  # that the numbers depend on beside those of every suite
+    @property
+    def domain(self) -> Domain:
+        """Air or road."""
+        return domain_of(self.params)
 
     @property
     def families(self) -> list[str]:
         """Names of the families drawn from; the episode table holds indices into this list."""
-        return encounters.chosen(self.params.encounter)
+        return self.domain.families(self.params)
 
     @property
     def definition(self) -> dict[str, Any]:
         """Everything that the hash covers, as plain JSON types."""
-        families = {name: encounters.FAMILIES[name].definition for name in self.families}
-        return {
-            "name": self.name,
-            "world_version": WORLD_VERSION,
-            "params": self.params.to_dict(),
-            "families": families,
-            "split": self.split,
-        }
+        common = {"name": self.name, "params": self.params.to_dict(), "split": self.split}
+        return common | self.domain.definition(self.params)
 
     @property
     def hash(self) -> str:
@@ -99,6 +96,7 @@ _SHIPPED = (
         Params.of(families="merging", intruders=8, intruders_min=2),
     ),
     Suite("smoke-v0", "100 encounters, for continuous integration", episodes=100),
+    *(Suite(f"{name}-v0", scene.summary, RoadParams.of(scene=name), 1000) for name, scene in SCENES.items()),
 )
 
 

@@ -38,3 +38,7 @@ TABLE = np.dtype(
         ("fault", b1),  # the policy raised, or gave an action of wrong shape or not finite
     ]
 )
+
+# A road's: beside these, means over the decisions driven.
+ROAD_TABLE = np.dtype([*TABLE.descr, ("lane_deviation_m", "<f8"), ("speed_deviation_mps", "<f8")])
+TABLES = {"air": TABLE, "road": ROAD_TABLE}  # of each domain

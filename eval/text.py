@@ -6,7 +6,8 @@ import os
 from collections.abc import Mapping
 from typing import TextIO
 
-from rss_gym.eval import ranking
+from rss_gym.domain import ROAD
+from rss_gym.eval import ranking, road
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.ranking import Place
@@ -47,17 +48,19 @@ def cell(estimate: Estimate | None, scale: float, form: str, interval: bool = Tr
     return f"{text} [{format(estimate.low * scale, form)}, {format(estimate.high * scale, form)}]"
 
 
-def table(result: Result, columns: Columns = COLUMNS, colour: bool = False) -> str:
+def table(result: Result, columns: Columns | None = None, colour: bool = False) -> str:
     """One line a policy, the cheapest of each level of information first: the metrics of `columns` with 95 % intervals.
 
     Parameters
     ----------
     result : Result
-    columns : mapping
-        Metric -> title, factor, format and, if given, whether its interval is shown.
+    columns : mapping, optional
+        Metric -> title, factor, format and, if given, whether its interval is shown; default: those of the domain.
     colour : bool
         Show policies that are not ranked in red.
     """
+    if columns is None:
+        columns = road.COLUMNS if result.suite.domain is ROAD else COLUMNS
     titles = {name: [column[0]] for name, column in columns.items()}
     if "cost_m" in titles:
         titles["cost_m"].append("more than the first m")

@@ -23,7 +23,6 @@ from rss_gym.eval.policies import Entry, entry
 from rss_gym.eval.reading import Policy, Record, load
 from rss_gym.eval.records import versions
 from rss_gym.eval.suites import SUITES, Suite, find
-from rss_gym.eval.table import TABLE
 from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import ParamsError
 
@@ -193,7 +192,7 @@ def metrics_differences(record: Record, suite: Suite) -> list[Difference]:
     result = score(suite, record.seed, entries, tables, record.reference, record.official)
     found = []
     for policy in record.policies:
-        for name in METRICS:
+        for name in result[policy.name]:
             if name not in policy.metrics:
                 if name not in METRICS.shipped:
                     continue  # registered here, not where the record was made
@@ -293,7 +292,7 @@ def _compared(record: Record, name: str, flown: np.ndarray) -> list[Difference]:
     """Every column of every episode flown, bit for bit."""
     recorded = record[name].table[flown["episode"].astype(np.int64) - record.first_episode]
     found = []
-    for column in TABLE.names or ():
+    for column in flown.dtype.names or ():
         one, other = (np.ascontiguousarray(table[column]) for table in (recorded, flown))
         size = one.dtype.itemsize
         unlike = one.view((np.uint8, size)) != other.view((np.uint8, size))

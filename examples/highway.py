@@ -7,9 +7,10 @@ import gymnasium as gym
 import highway_env  # noqa: F401  registers its ids
 
 import rss_gym  # noqa: F401  registers ours
-from rss_gym.baselines import road
+from rss_gym.baselines import make
 from rss_gym.highway import RssRanging
 from rss_gym.highway.observation import split
+from rss_gym.highway.params import actions
 
 
 def main() -> None:
@@ -21,7 +22,7 @@ def main() -> None:
 
     env = gym.make("rss_gym/Highway-v0", zone={"reaction_s": 1.0})
     observation, info = env.reset(seed=0)
-    policy = road.make("rule", road.World.of(env.unwrapped))
+    policy = make("rule", env.unwrapped.params)
     done, time_s = False, 0
     while not done:
         action, _ = policy.predict(observation)
@@ -29,7 +30,7 @@ def main() -> None:
         done, time_s = terminated or truncated, time_s + 1
         seen = split(observation, env.unwrapped.params)
         nearest = f"{seen['range_m'][0]:.1f} ± {seen['range_std_m'][0]:.1f} m"
-        print(f"{time_s:2d} s: {policy.world.actions[action].lower():10}  nearest vehicle {nearest}")
+        print(f"{time_s:2d} s: {actions(policy.params)[action].lower():10}  nearest vehicle {nearest}")
     print("collision" if info["collision"] else f"no collision, {info['deviation_m']:.0f} m from the plan")
 
 

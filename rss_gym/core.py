@@ -83,8 +83,81 @@ class NotFiniteError(RuntimeError):
         )
 
 
-class Batch:
-    """n environments side by side.
+class BaseBatch:
+    """n environments side by side, whatever they simulate: which episode each row runs, and what it has come to.
+
+    A subclass adds `episode`, an (n,) array with the columns of `rss_gym.state.EPISODE`, `reset` and `step`, and for
+    the evaluator `positions_m`, `planned_mps` and `sample`.
+
+    Parameters
+    ----------
+    params : Params
+    n : int
+        Number of rows.
+    width : int
+        Fields of an observation.
+
+    Attributes
+    ----------
+    observations : (n, d) float32 array
+        Written by `reset` and `step`; copy before handing it out.
+    rewards : (n,) array
+    """
+
+    episode: Any
+
+    def __init__(self, params: Params, n: int, width: int) -> None:
+        self.params, self.n = params, n
+        self.observations = np.zeros((n, width), np.float32)
+        self.rewards = np.zeros(n)
+        self.split = np.zeros(n, np.int64)
+        self.seeds = np.zeros(n, np.uint64)
+        self.numbers = np.zeros(n, np.uint64)  # of the next episode
+        self.started = np.zeros(n, bool)
+
+    def seed(self, seeds: np.ndarray, mask: np.ndarray | slice = slice(None)) -> None:
+        """Give rows a seed; their next episode is number 0 of it, on split `train`."""
+        self.seeds[mask], self.numbers[mask], self.split[mask] = seeds, 0, SPLITS["train"]
+
+    def apply_options(self, options: Mapping[str, Any], mask: np.ndarray) -> None:
+        """Apply reset options that `checked_options` has returned to the rows of `mask`."""
+        if "split" in options:
+            self.split[mask] = SPLITS[options["split"]]
+        if "episode" in options:
+            self.numbers[mask] = np.broadcast_to(np.asarray(options["episode"], np.uint64), self.n)[mask]
+
+    def reset(self, mask: np.ndarray) -> None:
+        """Start the next episode in the rows of `mask`, shape (n,)."""
+        raise NotImplementedError
+
+    def step(self, actions: np.ndarray, mask: np.ndarray) -> None:
+        """Run one decision in the rows of `mask`; `actions` as the domain's `decode` returns them."""
+        raise NotImplementedError
+
+    @property
+    def positions_m(self) -> np.ndarray:
+        """The agents' positions (n, axes); NaN in a row that the last step left out, if rows end apart."""
+        raise NotImplementedError
+
+    @property
+    def planned_mps(self) -> np.ndarray:
+        """The agents' planned speeds, shape (n,)."""
+        raise NotImplementedError
+
+    def sample(self) -> tuple[np.ndarray, np.ndarray]:
+        """True and estimated range of one other in each row, shape (n,) each; zeros where nobody is ranged."""
+        raise NotImplementedError
+
+    def info(self, name: str) -> np.ndarray:
+        """A copy of one column of `INFO`, or `is_success`."""
+        e = self.episode
+        if name == "is_success":
+            return e["truncated"] & ~e["collision"]
+        return e[name].copy()
+
+
+class Batch(BaseBatch):
+    """n encounters side by side.
 
     Parameters
     ----------
@@ -97,39 +170,16 @@ class Batch:
     ----------
     state : rss_gym.state.State
         Record arrays of n rows.
-    observations : (n, d) float32 array
-        Written by `reset` and `step`; copy before handing it out.
     """
 
     def __init__(self, params: Params, n: int) -> None:
         announce(Path(__file__).resolve().parent)
-        self.params, self.n = params, n
-        self.state = allocate(params, encounters.table(params.encounter), n)
         table = observation.transforms(observation.fields(params))
+        super().__init__(params, n, len(table))
+        self.state = allocate(params, encounters.table(params.encounter), n)
         others = np.zeros((n, params.encounter.intruders), OTHER)
         self.seen = Seen(np.zeros(n, OWN), others, np.zeros(len(table)), table)
-        self.observations = np.zeros((n, len(table)), np.float32)
-        self.rewards = np.zeros(n)
-        self.split = np.zeros(n, np.int64)
-        self.seeds = np.zeros(n, np.uint64)
-        self.numbers = np.zeros(n, np.uint64)  # of the next episode
-        self.started = np.zeros(n, bool)
-
-    @property
-    def episode(self) -> np.ndarray:
-        """The rows' episode records, shape (n,)."""
-        return self.state.episode
-
-    def seed(self, seeds: np.ndarray, mask: np.ndarray | slice = slice(None)) -> None:
-        """Give rows a seed; their next episode is number 0 of it, on split `train`."""
-        self.seeds[mask], self.numbers[mask], self.split[mask] = seeds, 0, SPLITS["train"]
-
-    def apply_options(self, options: Mapping[str, Any], mask: np.ndarray) -> None:
-        """Apply reset options that `checked_options` has returned to the next reset of the rows of `mask`."""
-        if "split" in options:
-            self.split[mask] = SPLITS[options["split"]]
-        if "episode" in options:
-            self.numbers[mask] = np.broadcast_to(np.asarray(options["episode"], np.uint64), self.n)[mask]
+        self.episode = self.state.episode
 
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
@@ -159,12 +209,20 @@ class Batch:
             e = self.episode[failed]
             raise NotFiniteError(list(SPLITS)[e["split"]], int(e["seed"]), int(e["number"]))
 
-    def info(self, name: str) -> np.ndarray:
-        """A copy of one column of `INFO`, or `is_success`."""
-        e = self.episode
-        if name == "is_success":
-            return e["truncated"] & ~e["collision"]
-        return e[name].copy()
+    @property
+    def positions_m(self) -> np.ndarray:
+        """The agents' positions (n, 3), held once a row has ended."""
+        return np.array(self.state.aircraft["position_m"][:, 0])
+
+    @property
+    def planned_mps(self) -> np.ndarray:
+        """The agents' planned speeds, shape (n,)."""
+        return np.linalg.norm(self.state.aircraft["planned_mps"][:, 0], axis=1)
+
+    def sample(self) -> tuple[np.ndarray, np.ndarray]:
+        """True and estimated range of the first intruder, shape (n,) each."""
+        position_m = self.state.aircraft["position_m"]
+        return np.linalg.norm(position_m[:, 1] - position_m[:, 0], axis=1), self.state.links["range_m"][:, 0].copy()
 
 
 def discrete_actions(params: Params) -> int:
@@ -204,16 +262,7 @@ def decode(actions: Any, params: Params, n: int) -> np.ndarray:
     """
     values = np.asarray(actions)
     if params.interface.action == "discrete":
-        count = discrete_actions(params)
-        if values.dtype.kind not in "iu":
-            raise TypeError(f"discrete actions must be whole numbers, got {values.dtype}")
-        if values.shape != (n,):
-            raise ValueError(f"actions have shape {values.shape}, expected ({n},)")
-        if np.any((values < 0) | (values >= count)):
-            raise ValueError(
-                f"discrete actions must be in 0..{count - 1}, got {values[(values < 0) | (values >= count)][0]}"
-            )
-        return DISCRETE_ACTIONS[values]
+        return DISCRETE_ACTIONS[decode_discrete(values, discrete_actions(params), n)]
     axes = 2 if params.encounter.planar else 3
     if values.dtype.kind not in "fiu":
         raise TypeError(f"actions must be real numbers, got {values.dtype}")
@@ -227,6 +276,18 @@ def decode(actions: Any, params: Params, n: int) -> np.ndarray:
     if row >= 0:
         raise ValueError(f"action of row {row} is not finite: {values[row]}")
     return out
+
+
+def decode_discrete(values: np.ndarray, count: int, n: int) -> np.ndarray:
+    """Discrete actions (n,), found to be whole numbers below `count`; errors as those of `decode`."""
+    if values.dtype.kind not in "iu":
+        raise TypeError(f"discrete actions must be whole numbers, got {values.dtype}")
+    if values.shape != (n,):
+        raise ValueError(f"actions have shape {values.shape}, expected ({n},)")
+    wrong = (values < 0) | (values >= count)
+    if np.any(wrong):
+        raise ValueError(f"discrete actions must be in 0..{count - 1}, got {values[wrong][0]}")
+    return values
 
 
 @kernel

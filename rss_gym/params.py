@@ -488,9 +488,9 @@ class Params(Group):
 
     def __post_init__(self) -> None:
         """Check the groups' types and the contradictions between them."""
-        for item in dataclasses.fields(self):
-            if item.name != "channels" and not isinstance(getattr(self, item.name), _GROUPS[item.name]):
-                raise ParamsError(f"params.{item.name} must be a {_GROUPS[item.name].__name__}")
+        for name, kind in _GROUPS.items():
+            if not isinstance(getattr(self, name), kind):
+                raise ParamsError(f"params.{name} must be a {kind.__name__}")
         object.__setattr__(self, "channels", _channels(self.channels))
         nav = self.navigation
         ranges = self.interface.information == "ranges"
@@ -528,6 +528,8 @@ class Params(Group):
         ParamsError
             For a wrong type or range, or a contradiction.
         """
+        if isinstance(params, Params) and type(params) is not cls:  # those of a road have names of their own
+            return type(params).of(params, **keywords)
         base = params if isinstance(params, Params) else cls.from_dict(params) if params is not None else cls()
         refuse_keywords("rss_gym", keywords, [*_OWNER, "channel"])
         changes: dict[str, Any] = {}

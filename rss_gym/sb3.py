@@ -15,7 +15,8 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.envs.registration import EnvSpec
 
-from rss_gym.core import SEED_LIMIT, Batch, checked_options, checked_seed, decode, spaces
+from rss_gym.core import SEED_LIMIT, checked_options, checked_seed
+from rss_gym.domain import domain_of
 from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.render.painter import RENDER_FPS, Painter
@@ -171,9 +172,10 @@ class EncounterVecEnv(VecEnv):
         n_envs = count_of_rows("n_envs", n_envs)
         self.limit = StepLimit(max_episode_steps, n_envs)
         self.params, self.every_info = Params.of(params, **keywords), every_info
-        self.batch = Batch(self.params, n_envs)
+        domain = domain_of(self.params)
+        self.batch, self._decode = domain.make_batch(self.params, n_envs), domain.decode
         self.painter = Painter(render_mode, {"render_modes": ["rgb_array"]}, n_envs)
-        self.observation_space, self.action_space = spaces(self.params)
+        self.observation_space, self.action_space = domain.spaces(self.params)
         self.metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": RENDER_FPS}
         self.spec: EnvSpec | None = None
         self._rows = EnvRows(self, n_envs, self.observation_space, self.action_space)
@@ -215,7 +217,7 @@ class EncounterVecEnv(VecEnv):
         """
         if not self.batch.started.all():
             raise gym.error.ResetNeeded("call reset() before step(): no episode is running")
-        self._actions = decode(actions, self.params, self.num_envs)
+        self._actions = self._decode(actions, self.params, self.num_envs)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Fly one decision: observations (n, d), rewards (n,) float32, dones (n,), infos."""

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from rss_gym import observation
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.masks import MASKS
+from rss_gym.domain import domain_of, domain_of_id
 from rss_gym.files import check_new, new_folder
-from rss_gym.ids import IDS
+from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.train.export import Inputs, export
 from rss_gym.train.hyperparameters import ALGORITHMS
@@ -81,13 +81,13 @@ def export_model(
     ParamsError
         For a file that is not such a model, or for another world.
     """
-    if env not in IDS:
-        raise ParamsError(f"environment {env!r} is unknown{suggestion(env, IDS)}")
+    if env not in (known := {**IDS, **ROADS}):
+        raise ParamsError(f"environment {env!r} is unknown{suggestion(env, known)}")
     if algorithm is not None and algorithm not in ALGORITHMS:
         raise ParamsError(f"algorithm {algorithm!r} is unknown{suggestion(algorithm, ALGORITHMS)}")
     if zeroed not in MASKS:
         raise ParamsError(f"zeroed = {zeroed!r} is unknown{suggestion(zeroed, MASKS)}")
-    params = Params.of(**{**IDS[env], **(world or {})})
+    params = domain_of_id(env).params({**known[env], **(world or {})})
     check_new(out)
     kind = ALGORITHMS[algorithm or kind_of(path)]
     try:
@@ -105,7 +105,7 @@ def export_model(
 
 def _stacked(width: int, params: Params) -> int:
     """How many observations stacked make so many numbers."""
-    fields = len(observation.fields(params))
+    fields = len(domain_of(params).fields(params))
     stack, rest = divmod(width, fields)
     if rest or not stack:
         raise ParamsError(

@@ -17,12 +17,12 @@ import numpy as np
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.masks import kept
 from rss_gym.baselines.policy_files import DOCUMENT, FORMAT, WEIGHTS, Network
-from rss_gym.core import Batch, decode
+from rss_gym.domain import domain_of
 from rss_gym.files import new_folder
 from rss_gym.params import Params, ParamsError
 
 TOLERANCE = 1e-5  # of an action in [-1, 1]
-OBSERVATIONS = 1000
+OBSERVATIONS = {"air": 1000, "road": 100}  # a drive takes a hundred times the time of a flight
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ def export(
     Returns
     -------
     float
-        Greatest difference between the folder's actions and SB3's on observations of 1,000 decisions; the training
-        record holds it too, as `difference`.
+        Greatest difference between the folder's actions and SB3's on observations of 1,000 decisions (100 on a road);
+        the training record holds it too, as `difference`.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def export(
         difference = compare(model, folder, params, inputs.normalisation)
         if not difference <= TOLERANCE:
             raise ParamsError(
-                f"the exported policy differs from SB3's by {difference:.2g} on {OBSERVATIONS} observations; at most "
+                f"the exported policy differs from SB3's by {difference:.2g} on observations; at most "
                 f"{TOLERANCE:g} is allowed, so nothing was written"
             )
         write_document(folder, {**document, "training": {**(training or {}), "difference": difference}})
@@ -152,16 +152,16 @@ def write_document(folder: Path, document: dict[str, Any]) -> None:
 
 
 def compare(model: Any, folder: Path, params: Params, normalisation: Normalisation | None = None) -> float:
-    """Greatest difference of the actions over 1,000 decisions of ten flights, flown by the folder's policy."""
-    agent = load(folder, params)
+    """Greatest difference of the actions over many decisions of ten rows, flown by the folder's policy."""
+    agent, domain = load(folder, params), domain_of(params)
     rows = 10
-    batch, everything = Batch(agent.params, rows), np.ones(rows, bool)
+    batch, everything = domain.make_batch(agent.params, rows), np.ones(rows, bool)
     batch.seed(np.arange(rows, dtype=np.uint64))
     batch.reset(everything)
     memory, state, first, worst = None, None, everything, 0.0
     mask = kept(agent.network.zeroed, agent.params, agent.network.stack)
     stacked = np.zeros((rows, agent.network.stack * batch.observations.shape[1]))
-    for _ in range(OBSERVATIONS // rows):
+    for _ in range(OBSERVATIONS[domain.name] // rows):
         stacked[first] = 0.0
         stacked = np.concatenate([stacked, batch.observations], axis=1)[:, batch.observations.shape[1] :]
         seen = stacked * mask
@@ -169,7 +169,7 @@ def compare(model: Any, folder: Path, params: Params, normalisation: Normalisati
         expected, state = model.predict(seen, state=state, episode_start=first, deterministic=True)
         actions, memory = agent.predict(batch.observations, memory, first)
         worst = max(worst, float(np.abs(actions - expected).max()))
-        batch.step(decode(actions, agent.params, rows), np.ones(rows, bool))
+        batch.step(domain.decode(actions, agent.params, rows), np.ones(rows, bool))
         first = batch.episode["terminated"] | batch.episode["truncated"]
         if first.any():
             batch.reset(first)
@@ -186,8 +186,8 @@ def _taken(model: Any, inputs: Inputs) -> tuple[Network, dict[str, np.ndarray]]:
         hidden, last, squash = policy.actor.latent_pi, policy.actor.mu, True
     else:
         raise ParamsError(f"a model of kind {kind!r} cannot be exported; PPO, SAC and RecurrentPPO can")
-    if len(model.action_space.shape) != 1:
-        raise ParamsError(f"an action space {model.action_space} cannot be exported; continuous actions can")
+    if len(model.action_space.shape) != 1 and not hasattr(model.action_space, "n"):
+        raise ParamsError(f"an action space {model.action_space} cannot be exported; Box and Discrete can")
     linear, activation = dense_layers(hidden, kind)
     tensors: dict[str, np.ndarray] = {}
     for index, layer in enumerate([*linear, last]):

@@ -191,8 +191,8 @@ class Vec(Group):
 class Imitation(Group):
     """What the actor of PPO learns from a scripted rule before its own training; nothing where `episodes` is zero.
 
-    The rows are flown by the rule, disturbed so that states off its path are seen too, and the actor's mean is fitted
-    to the rule's actions by least squares.
+    The rows are flown by the rule, disturbed so that states off its path are seen too, and the actor is fitted to the
+    rule's actions, by least squares or, where these are discrete, least cross-entropy.
 
     Parameters
     ----------
@@ -202,6 +202,7 @@ class Imitation(Group):
         Encounters to fly.
     disturbance : float
         Standard deviation of what is added to each action, of range 1; it is correlated from decision to decision.
+        Of discrete actions the share that is replaced at random.
     epochs, batch_size : int
     learning_rate : float
         The greatest of the one cycle that it goes through.

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from stable_baselines3.common.vec_env import VecNormalize
 
+from rss_gym.baselines.policy_files import outputs
 from rss_gym.train import actor
 from rss_gym.train.learner import Learner
 
@@ -16,7 +17,7 @@ CORRELATION = 0.9  # of the disturbance from decision to decision
 
 
 def imitate(learner: Learner) -> str:
-    """Fit the actor's mean to the recipe's rule, which flies the learner's own rows.
+    """Fit the actor to the recipe's rule, which flies the learner's own rows.
 
     `VecNormalize` learns from these flights as from any others; the training's episodes are those that come next.
 
@@ -29,10 +30,12 @@ def imitate(learner: Learner) -> str:
     table = learner.recipe.imitation
     inputs, actions, episodes = _flown(learner)
     error = _fit(learner, torch.as_tensor(inputs), torch.as_tensor(actions))
-    spread = float(actions.std(axis=0).mean())
+    found = f"{1.0 - error:.1%} alike"
+    if actions.ndim > 1:
+        found = f"rms error {error:.4f} of actions with a standard deviation of {actions.std(axis=0).mean():.4f}"
     return (
         f"imitated {table.policy} in {len(inputs):,} decisions of {episodes:,} encounters for "
-        f"{perf_counter() - start:.0f} s: rms error {error:.4f} of actions with a standard deviation of {spread:.4f}"
+        f"{perf_counter() - start:.0f} s: {found}"
     )
 
 
@@ -41,6 +44,7 @@ def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
     table, teacher = learner.recipe.imitation, learner.recipe.teacher
     venv, batch = learner.venv, learner.training_env.venv.batch
     normalised = venv if isinstance(venv, VecNormalize) else None
+    count, discrete = outputs(batch.params)
     generator = np.random.default_rng(learner.seed)
     inputs: list[np.ndarray] = []
     actions: list[np.ndarray] = []
@@ -52,9 +56,14 @@ def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
         wanted, state = teacher.predict(batch.observations, state, first)
         inputs.append(np.array(seen if normalised is None else normalised.get_original_obs()))
         actions.append(wanted)
-        held = CORRELATION * disturbance * ~first[:, None]
-        disturbance = held + fresh * generator.standard_normal(wanted.shape)
-        seen, _, first, _ = venv.step(np.clip(wanted + disturbance, -1.0, 1.0).astype(np.float32))
+        if discrete:
+            replaced = generator.random(len(wanted)) < table.disturbance
+            done = np.where(replaced, generator.integers(count, size=len(wanted)), wanted)
+        else:
+            held = CORRELATION * disturbance * ~first[:, None]
+            disturbance = held + fresh * generator.standard_normal(wanted.shape)
+            done = np.clip(wanted + disturbance, -1.0, 1.0).astype(np.float32)
+        seen, _, first, _ = venv.step(done)
         episodes += int(first.sum())
     rows: Any = np.concatenate(inputs)
     if normalised is not None:
@@ -63,7 +72,12 @@ def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor) -> float:
-    """Least squares over minibatches; the rms error of the last epoch."""
+    """Least squares over minibatches, of discrete actions least cross-entropy.
+
+    The rms error of the last epoch, of discrete actions the share that the actor would choose otherwise after it.
+    """
+    discrete = actions.ndim == 1
+    loss_of = torch.nn.functional.cross_entropy if discrete else torch.nn.functional.mse_loss
     table, policy = learner.recipe.imitation, learner.model.policy
     optimizer = torch.optim.Adam(actor.parameters(policy))
     batches = -(-len(inputs) // table.batch_size)
@@ -72,11 +86,13 @@ def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor) -> float
     for _ in range(table.epochs):
         total = 0.0
         for chosen in torch.randperm(len(inputs)).split(table.batch_size):
-            mean = actor.outputs(policy, inputs[chosen])
-            loss = torch.nn.functional.mse_loss(mean, actions[chosen])
+            loss = loss_of(actor.outputs(policy, inputs[chosen]), actions[chosen])
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
             cycle.step()
             total += loss.item() * len(chosen)
+    if discrete:
+        with torch.no_grad():
+            return float((actor.outputs(policy, inputs).argmax(dim=1) != actions).float().mean())
     return float((total / len(inputs)) ** 0.5)

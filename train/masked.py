@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 
-from rss_gym import observation
 from rss_gym.baselines.masks import kept
+from rss_gym.domain import domain_of
 from rss_gym.params import Params
 
 
@@ -27,7 +27,7 @@ class Masked(VecEnvWrapper):
     def __init__(self, venv: VecEnv, zeroed: str, params: Params) -> None:
         super().__init__(venv)
         width: Any = venv.observation_space.shape
-        self._kept = kept(zeroed, params, width[0] // len(observation.fields(params)))
+        self._kept = kept(zeroed, params, width[0] // len(domain_of(params).fields(params)))
 
     def reset(self) -> np.ndarray:
         """Start an episode in every row."""

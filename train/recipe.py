@@ -15,9 +15,8 @@ from typing import Any
 
 from rss_gym import baselines
 from rss_gym.baselines.policy import Scripted
-from rss_gym.core import spaces
-from rss_gym.encounters import chosen
-from rss_gym.ids import IDS
+from rss_gym.domain import ROAD, Domain, domain_of_id
+from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, load_channel, suggestion
 from rss_gym.train.hyperparameters import (
     ALGORITHMS,
@@ -88,11 +87,18 @@ class Recipe:
         params = self.params
         if params.interface.action == "discrete":
             raise ParamsError("[world]: action 'discrete' cannot be exported; use velocity")
+        if self.domain is ROAD and self.algorithm == "sac":
+            raise ParamsError("[recipe]: algorithm 'sac' cannot choose a road's discrete actions; use ppo")
+        if not self.world.get("radio", True):
+            raise ParamsError(
+                "[world]: radio = false is of the environment alone; [policy] zeroed = 'radio' takes the vehicles' "
+                "fields from the policy, which then drives without them everywhere"
+            )
         for previous, stage in pairwise((Stage(-1.0, {}), *self.curriculum)):
             if stage.start <= previous.start:
                 raise ParamsError(f"[[curriculum]]: start = {stage.start:g} must exceed {previous.start:g} before it")
             later = self._with(stage.world)
-            if later.interface != params.interface or spaces(later) != spaces(params):
+            if later.interface != params.interface or self.domain.spaces(later) != self.domain.spaces(params):
                 raise ParamsError(
                     f"[[curriculum]]: the stage from {stage.start:g} changes what the policy sees or does; "
                     "information, action, planar and intruders belong to [world]"
@@ -113,6 +119,11 @@ class Recipe:
             _ = self.teacher  # refuses what cannot be imitated
 
     @property
+    def domain(self) -> Domain:
+        """Air or road."""
+        return domain_of_id(self.env)
+
+    @property
     def teacher(self) -> Scripted:
         """The rule that is imitated.
 
@@ -128,6 +139,8 @@ class Recipe:
             raise ParamsError(f"[imitation]: {error}") from error
         if not isinstance(teacher, Scripted):
             raise ParamsError(f"[imitation]: policy must name a scripted rule, got {name!r}")
+        if type(teacher).home(self.params) != self.params:
+            raise ParamsError(f"[imitation]: policy {name!r} is a driver of highway-env, which chooses no actions")
         found = teacher.params.interface
         if found.information != wanted.information:
             raise ParamsError(
@@ -150,8 +163,8 @@ class Recipe:
         return self._with(self.curriculum[stage - 1].world if stage else {})
 
     def _with(self, changes: dict[str, Any]) -> Params:
-        params = Params.of(**{**IDS[self.env], **self.world, **changes})
-        chosen(params.encounter)  # refuses families that do not exist
+        params = self.domain.params({**self.domain.ids[self.env], **self.world, **changes})
+        self.domain.families(params)  # refuses those that do not exist
         return params
 
     def to_dict(self) -> dict[str, Any]:
@@ -281,7 +294,7 @@ def _head(table: Mapping[str, Any]) -> dict[str, Any]:
     summary, steps = table.get("summary", ""), table["steps"]
     if not isinstance(summary, str):
         raise ParamsError(f"[recipe]: summary must be a text, got {summary!r}")
-    for key, registry in (("algorithm", ALGORITHMS), ("env", IDS)):
+    for key, registry in (("algorithm", ALGORITHMS), ("env", {**IDS, **ROADS})):
         if not isinstance(table[key], str) or table[key] not in registry:
             raise ParamsError(f"[recipe]: {key} = {table[key]!r} is unknown{suggestion(str(table[key]), registry)}")
     if type(steps) is not int or not 1 <= steps <= STEPS_MAX:

@@ -21,14 +21,15 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gymnasium.spaces import Discrete
 from tqdm import tqdm
 
 from rss_gym import registry
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.policy_files import DOCUMENT
+from rss_gym.domain import ROAD
 from rss_gym.eval.workers import end_with, interrupts_held
 from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
-from rss_gym.ids import ROADS
 from rss_gym.params import ParamsError
 from rss_gym.train import recipe as recipes
 from rss_gym.train.hyperparameters import ALGORITHMS
@@ -112,12 +113,10 @@ def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
         document = json.loads((Path(folder) / RUN).read_text(encoding="utf-8"))
         if document["format"] != FORMAT:
             raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
-        if document["recipe"]["recipe"]["env"] in ROADS:
-            raise ParamsError(f"it is one on a road, which is not gone on with; its driver is in {AGENT}/")
         recipe = recipes.from_dict(document["name"], document["recipe"])
         check_count("seeds", len(document["seeds"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ParamsError(f"{str(folder)!r} is not the folder of a run of the air: {RUN}: {error}") from error
+        raise ParamsError(f"{str(folder)!r} is not the folder of a run: {RUN}: {error}") from error
     if recipe.params.to_dict() != document["world"]:
         raise ParamsError(
             f"{str(folder)!r} was begun in a world that this version of rss-gym has other numbers for; go on with the "
@@ -159,7 +158,10 @@ def best_seed(folder: str | os.PathLike[str]) -> tuple[Path, str]:
 
 
 def _loop(recipe: Recipe) -> None:
-    """Refuse to begin without the learner's package."""
+    """Refuse to begin without the learner's package, or with actions that cannot be learnt."""
+    action = recipe.domain.spaces(recipe.params)[1]
+    if recipe.domain is ROAD and not isinstance(action, Discrete):
+        raise ParamsError(f"[world]: only highway-env's meta-actions can be learnt, got {action}")
     module = ALGORITHMS[recipe.algorithm].module
     try:
         __import__(module)
@@ -176,7 +178,7 @@ def _document(recipe: Recipe, seeds: int, command: Sequence[str]) -> dict[str, A
         "recipe": recipe.to_dict(),
         "world": recipe.params.to_dict(),
         "seeds": [index * SEED_STRIDE for index in range(seeds)],
-        "versions": versions("torch", "stable-baselines3", "sb3-contrib"),
+        "versions": versions("torch", "stable-baselines3", "sb3-contrib", *recipe.domain.packages),
         "revision": revision(),
         "command": list(command),
     }

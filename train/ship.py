@@ -23,6 +23,8 @@ from rss_gym.baselines.shipped import CARD, FOLDER
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.text import cell
 from rss_gym.files import replaced_folder, write_text
+from rss_gym.highway.params import RoadParams
+from rss_gym.highway.scene import SCENES
 from rss_gym.pages import figure, page
 from rss_gym.params import CHANNELS, Params, ParamsError, load_channel
 from rss_gym.train import recipe as recipes
@@ -154,14 +156,16 @@ def described(params: Params) -> str:
     names = {load_channel(name): name for name in CHANNELS}
     channels = [names.get(channel, f"one of its own (in {DOCUMENT})") for channel in params.channels]
     several = f"{encounter.intruders_min} to " if encounter.intruders_min else ""
+    what = {"": "planar" if encounter.planar else "in space", "intruders: ": f"{several}{encounter.intruders}"}
+    rest = {"families: ": f"{encounter.families}", "tracker ": f"`{params.tracking.tracker}`"}
+    if isinstance(params, RoadParams):
+        what, rest = {"": SCENES[params.road.scene].summary, "vehicles observed: ": f"{encounter.intruders}"}, {}
     parts = {
-        "": "planar" if encounter.planar else "in space",
+        **what,
         "information ": f"`{params.interface.information}`",
-        "intruders: ": f"{several}{encounter.intruders}",
-        "families: ": f"{encounter.families}",
         "channels: ": ", ".join(channels),
         "estimator ": f"`{params.ranging.estimator}`",
-        "tracker ": f"`{params.tracking.tracker}`",
+        **rest,
     }
     return "; ".join(key + value for key, value in parts.items())
 

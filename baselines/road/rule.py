@@ -14,6 +14,7 @@ import numpy as np
 
 from rss_gym.baselines.road.policy import Driver
 from rss_gym.highway.observation import LANE_M
+from rss_gym.highway.params import actions
 from rss_gym.params import number
 from rss_gym.safety.zone import zone_radius_m
 
@@ -30,7 +31,7 @@ class Rule(Driver):
     horizon_s: float = number(1.0, 0.0, 10.0)  # or will be in this time
     drift_mps: float = number(0.5, 0.0, 10.0)  # slower lateral motion has no side
 
-    def act(self, seen: dict[str, np.ndarray]) -> str:
+    def choose(self, seen: dict[str, np.ndarray]) -> str:
         """One decision."""
         held = seen["message_valid"] > 0.5
         if "relative_along_m" not in seen:
@@ -43,7 +44,7 @@ class Rule(Driver):
         own = self._on_lane(seen, y, w, 0) | (self._on_lane(seen, y, w, changing) if changing else False)
         threat = near & (((x > 0.0) & own) | self._crosses(x, y, v, w))
         if threat.any():
-            if changing == 0 and "LANE_LEFT" in self.world.actions:
+            if changing == 0 and "LANE_LEFT" in actions(self.params):
                 first = int(np.flatnonzero(threat)[np.argmin(np.hypot(x, y)[threat])])
                 for side in self._sides(seen, float(w[first])):
                     if self._is_free(seen, side, x, y, v, w, radius_m):
@@ -58,12 +59,12 @@ class Rule(Driver):
 
     def _radius_m(self, x: np.ndarray, y: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:
         """(40) at the closing speed of each pair."""
-        zone, range_m = self.world.params.zone, np.maximum(np.hypot(x, y), 1e-9)
+        zone, range_m = self.params.zone, np.maximum(np.hypot(x, y), 1e-9)
         closing_mps = np.maximum(-(x * v + y * w) / range_m, 0.0)
         return np.array([self._zone_m(c, zone.reaction_s) for c in closing_mps])
 
     def _zone_m(self, closing_mps: float, reaction_s: float) -> float:
-        zone = self.world.params.zone
+        zone = self.params.zone
         radius_m = zone_radius_m(zone.range_error_m, zone.range_error_probability, closing_mps, reaction_s, zone.trials)
         return float(radius_m)
 
@@ -114,7 +115,7 @@ class Rule(Driver):
     def _by_range(self, seen: dict[str, np.ndarray]) -> str:
         """Without positions there is no side to choose: brake for whoever closes within the zone of the pair."""
         warned, rate = seen["warning"] > 0.5, np.minimum(seen["range_rate_mps"], 0.0)
-        radius_m = np.array([self._zone_m(-r, self.world.params.zone.reaction_s) for r in rate])
+        radius_m = np.array([self._zone_m(-r, self.params.zone.reaction_s) for r in rate])
         if (warned & (rate < -self.drift_mps) & (seen["range_m"] < radius_m)).any():
             return "SLOWER"
         return "FASTER" if float(seen["commanded_error_mps"]) < -1.0 and not warned.any() else "IDLE"

@@ -27,6 +27,7 @@ from rss_gym.eval.metrics.missed_detection import (
     MISSED_DETECTION_DECISION_RATE,
     MISSED_DETECTION_ENCOUNTER_RATE,
 )
+from rss_gym.eval.metrics.off_the_plan import LANE_DEVIATION_M, SPEED_DEVIATION_MPS
 from rss_gym.eval.metrics.path_deviation import (
     PATH_DEVIATION_COMPLETED_M,
     PATH_DEVIATION_MAX_M,
@@ -40,7 +41,7 @@ from rss_gym.eval.metrics.zone_severity import ZONE_SEVERITY
 from rss_gym.params import ParamsError
 from rss_gym.registry import Registry
 
-__all__ = ["METRICS", "Estimate", "Flights", "Function", "Metric", "measure"]
+__all__ = ["METRICS", "Estimate", "Flights", "Function", "Metric", "defined_in", "measure"]
 
 _SHIPPED: dict[str, Metric] = {
     "cost_m": COST_M,
@@ -73,6 +74,8 @@ _SHIPPED: dict[str, Metric] = {
     "late_warning_rate": LATE_WARNING_RATE,
     "missed_detection_bound": MISSED_DETECTION_BOUND,
     "false_alert_rate_ph": FALSE_ALERT_RATE_PH,
+    "lane_deviation_m": LANE_DEVIATION_M,
+    "speed_deviation_mps": SPEED_DEVIATION_MPS,
 }
 
 
@@ -89,13 +92,18 @@ def _check(name: str, metric: Metric) -> None:
 METRICS: Registry[Metric] = Registry("metric", _SHIPPED, _check, name="[a-z][a-z0-9_]*", like="my_metric_m")
 
 
+def defined_in(domain: str) -> dict[str, Metric]:
+    """The metrics of a domain, in order."""
+    return {name: metric for name, metric in METRICS.items() if domain in metric.domains}
+
+
 def measure(flights: Flights, names: Iterable[str] | None = None) -> dict[str, Estimate]:
-    """The metrics of these flights by name, all of them or those named.
+    """The metrics of these flights by name, those named or all of their domain.
 
     Raises
     ------
     ParamsError
         For an unknown name.
     """
-    chosen = list(METRICS if names is None else names)
+    chosen = defined_in(flights.domain) if names is None else names
     return {name: METRICS.find(name)(flights) for name in chosen}

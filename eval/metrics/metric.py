@@ -9,7 +9,7 @@ import numpy as np
 
 from rss_gym.eval.costs import SCORE, Prices
 from rss_gym.eval.intervals import Interval, clopper_pearson
-from rss_gym.eval.table import TABLE
+from rss_gym.eval.table import TABLES
 
 ONE = "1"  # the unit of ratios and shares
 
@@ -73,13 +73,18 @@ class Flights:
             rows = getattr(self, name)
             if rows is None and name == "reference":
                 continue
-            if rows.dtype != TABLE or rows.ndim != 1:
+            if rows.dtype not in TABLES.values() or rows.ndim != 1:
                 raise ValueError(f"{name} must be a row of TABLE records, got {rows.dtype} of shape {rows.shape}")
             if not np.array_equal(rows["episode"], self.table["episode"]):
                 raise ValueError(f"{name} must hold the same episodes as table, in the same order")
 
     def __len__(self) -> int:
         return len(self.table)
+
+    @property
+    def domain(self) -> str:
+        """Name of the domain, whose columns the table has."""
+        return next(name for name, columns in TABLES.items() if columns == self.table.dtype)
 
     def rows(self, chosen: np.ndarray) -> Flights:
         """The flights of some encounters only, by mask or index: one family, one channel."""
@@ -116,12 +121,15 @@ class Metric:
     function : Function
     sensor : bool
         Computed from the flights of `none` alone: a property of the radio, equal for every policy.
+    domains : tuple of str
+        Where it is defined.
     """
 
     summary: str
     unit: str
     function: Function
     sensor: bool = False
+    domains: tuple[str, ...] = ("air", "road")
 
     def __call__(self, flights: Flights) -> Estimate:
         """The metric of these flights."""

@@ -14,5 +14,8 @@ def zone_severity(flights: Flights) -> Interval:
 
 
 ZONE_SEVERITY = Metric(
-    "depth in the safety zone (0 outside, 1 in contact), mean over the time flown", ONE, zone_severity
+    "depth in the safety zone (0 outside, 1 in contact), mean over the time flown",
+    ONE,
+    zone_severity,
+    domains=("air",),  # no zone of a road is of fixed radius
 )

@@ -8,20 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
+from rss_gym.domain import domain_of
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.reading.plain import RecordError, checked, parse, read_file, shown
 from rss_gym.eval.reading.schema import POLICY, RECORD, metrics_of, params_of
 from rss_gym.eval.reading.table_file import check_rows, read_table
 from rss_gym.eval.records import SCORES, TABLES, table_digest
-from rss_gym.eval.road.suites import SUITES as ROADS
-from rss_gym.eval.table import TABLE
+from rss_gym.eval.table import TABLES as COLUMNS
 from rss_gym.eval.workers import NOMINAL
 from rss_gym.params import Params
 
 SCORES_BYTES_MAX = 8 * 2**20
 TABLES_BYTES_MAX = 4 * 2**30
-# Properties of the encounter, whoever flies.
-_SHARED = ("family", "channel", "duration_s", "approach_s")
+# Properties of the encounter, whoever flies; a drive ends at a time of its own.
+_SHARED = {"air": ("family", "channel", "duration_s", "approach_s"), "road": ("family", "channel")}
 
 
 @dataclass(frozen=True)
@@ -74,18 +74,15 @@ def load(folder: str | os.PathLike[str]) -> Record:
     if not root.is_dir():
         raise RecordError(f"{str(folder)!r} is not a folder; a record is a folder with a {SCORES}")
     content = parse(read_file(file, SCORES_BYTES_MAX), str(file))
-    suite = content.get("suite") if isinstance(content, dict) else None
-    if isinstance(suite, str) and suite in ROADS:
-        raise RecordError(f"{file}: suite {suite!r} is of a road, whose records are neither flown again nor ranked")
     fields = checked(str(file), "", content, RECORD)
     params, families = params_of(str(file), fields["params"])
     if fields["families"] != families:
-        raise RecordError(
-            f"{file}: families = {shown(fields['families'])} must be {families}, those of params.encounter.families"
-        )
+        raise RecordError(f"{file}: families = {shown(fields['families'])} must be {families}, those of its parameters")
+    domain = domain_of(params)
+    columns = COLUMNS[domain.name]
     if (root / TABLES).is_symlink():
         raise RecordError(f"{root / TABLES} is a symbolic link; a record holds plain files and folders")
-    size = fields["episodes"] * len(fields["policies"]) * TABLE.itemsize
+    size = fields["episodes"] * len(fields["policies"]) * columns.itemsize
     if size > TABLES_BYTES_MAX:
         raise RecordError(
             f"{file}: {len(fields['policies'])} policies of {fields['episodes']} episodes are {size} bytes of tables; "
@@ -95,13 +92,13 @@ def load(folder: str | os.PathLike[str]) -> Record:
     for index, item in enumerate(fields["policies"]):
         where = f"policies[{index}]"
         values = checked(str(file), where, item, POLICY)
-        metrics = metrics_of(str(file), f"{where}.metrics", values["metrics"])
+        metrics = metrics_of(str(file), f"{where}.metrics", values["metrics"], domain.name)
         for field, other in (("name", {p.name for p in policies}), ("table", {p.file for p in policies})):
             if values[field] in other:
                 raise RecordError(f"{file}: {where}.{field} = {values[field]!r} is given twice; it must be unique")
         if values["name"] == NOMINAL != values["spec"]:
             raise RecordError(f"{file}: {where}.spec = {values['spec']!r} must be {NOMINAL!r} as the name is")
-        table = read_table(root / values["table"], fields["episodes"])
+        table = read_table(root / values["table"], fields["episodes"], columns)
         check_rows(str(root / values["table"]), table, params, len(families), fields["first_episode"])
         if table_digest(table) != values["table_sha256"]:
             raise RecordError(
@@ -130,7 +127,7 @@ def _check_policies(file: str, record: Record) -> None:
             )
     none = record[NOMINAL]
     for policy in record.policies:
-        for column in _SHARED:
+        for column in _SHARED[domain_of(record.params).name]:
             wrong = np.flatnonzero(policy.table[column] != none.table[column])
             if len(wrong):
                 raise RecordError(

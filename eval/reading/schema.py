@@ -7,12 +7,13 @@ from collections.abc import Callable
 from typing import Any, get_args
 
 from rss_gym.core import SEED_LIMIT, SPLITS
-from rss_gym.encounters import chosen
+from rss_gym.domain import domain_of, from_dict
 from rss_gym.eval.evaluate import NAME_MAX, is_name
-from rss_gym.eval.metrics import METRICS, Estimate
+from rss_gym.eval.metrics import METRICS, Estimate, defined_in
 from rss_gym.eval.reading.plain import Checks, RecordError, checked, refuse_unknown, shown
 from rss_gym.eval.reading.table_file import EPISODES_MAX
 from rss_gym.eval.records import SCHEMA, TABLES
+from rss_gym.highway.params import RoadParams
 from rss_gym.params import Information, Params, ParamsError
 
 POLICIES_MAX = 1000
@@ -84,9 +85,9 @@ ESTIMATE: Checks = {
 }
 
 
-def metrics_of(file: str, where: str, value: dict[str, Any]) -> dict[str, Estimate]:
+def metrics_of(file: str, where: str, value: dict[str, Any], domain: str = "air") -> dict[str, Estimate]:
     """The metrics of a policy."""
-    refuse_unknown(file, where, value, METRICS)
+    refuse_unknown(file, where, value, defined_in(domain))
     metrics = {}
     for name, item in value.items():
         fields = checked(file, f"{where}.{name}", item, ESTIMATE)
@@ -110,10 +111,14 @@ def params_of(file: str, value: dict[str, Any]) -> tuple[Params, list[str]]:
     ):
         raise RecordError(f"{file}: params.channels = {shown(channels)} must be a list of 1 to {CHANNELS_MAX} tables")
     try:
-        params = Params.from_dict(value)
-        families = chosen(params.encounter)
+        params = from_dict(value)
+        families = domain_of(params).families(params)
     except (ParamsError, TypeError, OverflowError) as error:
         raise RecordError(f"{file}: params: {error}") from error
+    if isinstance(params, RoadParams) and params.road.config:  # highway-env imports what it names
+        raise RecordError(
+            f"{file}: params.road.config = {shown(params.road.config)} must be empty: a record's road is its scene's"
+        )
     for group, whole in params.to_dict().items():
         if value.get(group) != whole:
             raise RecordError(f"{file}: params.{group} = {shown(value.get(group))} must hold all of {shown(whole)}")

@@ -11,6 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from rss_gym.domain import AIR, domain_of
 from rss_gym.eval.costs import Prices, cost_m
 from rss_gym.eval.reading.plain import RecordError, opened, shown
 from rss_gym.eval.table import TABLE
@@ -27,19 +28,19 @@ _TIE_M = 1e-9  # two ways of rounding a separation
 _LOWEST = {"warned_s": -1.0, "approach_s": -np.inf, "sample_separation_m": -np.inf, "sample_range_m": -np.inf}
 
 
-def read_table(file: Path, episodes: int) -> np.ndarray:
+def read_table(file: Path, episodes: int, columns: np.dtype = TABLE) -> np.ndarray:
     """The table of so many episodes in a `.npz` file; memory is taken only for what these need.
 
     Raises
     ------
     RecordError
-        If the file does not hold exactly the columns of `TABLE` in that length.
+        If the file does not hold exactly these columns in that length.
     """
-    with opened(file, episodes * TABLE.itemsize + _OVERHEAD_BYTES) as stream:
+    with opened(file, episodes * columns.itemsize + _OVERHEAD_BYTES) as stream:
         try:
-            _check_directory(stream, file)
+            _check_directory(stream, file, len(columns.names or ()))
             with zipfile.ZipFile(stream) as archive:
-                members = {f"{name}.npy": name for name in TABLE.names or ()}
+                members = {f"{name}.npy": name for name in columns.names or ()}
                 found = [info.filename for info in archive.infolist()]
                 if sorted(found) != sorted(members):
                     wrong = sorted(set(found) ^ set(members)) or found
@@ -47,10 +48,10 @@ def read_table(file: Path, episodes: int) -> np.ndarray:
                         f"{file}: members differ from the table's columns by {shown(wrong)}; they must be one "
                         f".npy of each of {', '.join(members.values())}"
                     )
-                table = np.zeros(episodes, TABLE)
+                table = np.zeros(episodes, columns)
                 for info in archive.infolist():
                     column = members[info.filename]
-                    table[column] = _column(archive, info, TABLE[column], episodes, f"{file}: column {column!r}")
+                    table[column] = _column(archive, info, columns[column], episodes, f"{file}: column {column!r}")
                 return table
         except RecordError:
             raise
@@ -58,7 +59,7 @@ def read_table(file: Path, episodes: int) -> np.ndarray:
             raise RecordError(f"{file} is not an intact .npz table: {error}") from error
 
 
-def _check_directory(stream: BinaryIO, file: Path) -> None:
+def _check_directory(stream: BinaryIO, file: Path, expected: int) -> None:
     """Refuse a zip directory other than the one of a table, before anything is made of its entries."""
     end = struct.Struct("<4s4H2LH")
     size = stream.seek(0, os.SEEK_END)
@@ -70,7 +71,6 @@ def _check_directory(stream: BinaryIO, file: Path) -> None:
     mark, disk, start_disk, here, total, length, offset, comment = end.unpack(data[-end.size :])
     if mark != b"PK\x05\x06":
         raise RecordError(f"{file} is not an intact .npz table: it does not end in a zip directory")
-    expected = len(TABLE.names or ())
     plain = (disk, start_disk, comment) == (0, 0, 0) and b"PK\x06\x07" not in data
     if not plain or here != total or length > _OVERHEAD_BYTES or offset + length + end.size != size:
         raise RecordError(f"{file} is not an intact .npz table: its zip directory is not a table's")
@@ -117,7 +117,7 @@ def check_rows(file: str, table: np.ndarray, params: Params, families: int, firs
 
     numbers = np.arange(len(table), dtype=np.uint64) + np.uint64(first_episode)
     refuse("episode", table["episode"] != numbers, "the row's number, from first_episode on")
-    for column in TABLE.names or ():
+    for column in table.dtype.names or ():
         values, low = table[column], _LOWEST.get(column, 0)
         if values.dtype.kind == "f":
             refuse(column, ~np.isfinite(values), "finite")
@@ -127,7 +127,8 @@ def check_rows(file: str, table: np.ndarray, params: Params, families: int, firs
             refuse(column, values > highest[column], f"at most {highest[column]}")
     refuse("duration_s", table["duration_s"] <= 0.0, "above zero")
     refuse("flown_s", (table["flown_s"] <= 0.0) | (table["flown_s"] > table["duration_s"]), "in (0, duration_s]")
-    for column, radius_m in (("collision", params.zone.collision_m), ("zone", params.zone.radius_m)):
+    radii_m = {"collision": params.zone.collision_m, "zone": params.zone.radius_m}
+    for column, radius_m in radii_m.items() if domain_of(params) is AIR else ():  # a road has shapes and lanes
         gap_m = table["min_separation_m"] - radius_m
         wrong = np.where(table[column], gap_m > _TIE_M, gap_m < -_TIE_M)
         refuse(column, wrong, f"what min_separation_m and the limit of {radius_m:g} m say")

@@ -40,7 +40,7 @@ def parsed(spec: str) -> tuple[str, dict[str, float]] | None:
         found = baselines.parse(spec)
     except ParamsError:
         return None
-    defaults = baselines.describe()[found.rule]["options"]
+    defaults = baselines.describe({**baselines.road.POLICIES, **baselines.POLICIES})[found.rule]["options"]
     return found.name, {key: float(value) for key, value in (defaults | found.options).items()}
 
 

@@ -32,6 +32,7 @@ def run(result: Result) -> str:
         if result.official
         else f"no; such a run has {suite.episodes:,} encounters of seed {suite.seed} and the suite unchanged"
     )
+    packages = records.versions(*suite.domain.packages)
     rows = {
         "suite": suite.name,
         "suite hash": suite.hash,
@@ -42,7 +43,7 @@ def run(result: Result) -> str:
         "families": ", ".join(suite.families),
         "safety zone": f"{suite.params.zone.radius_m:g} m",
         "estimator": suite.params.ranging.estimator,
-        "versions": ", ".join(f"{name} {version}" for name, version in records.versions(*suite.packages).items()),
+        "versions": ", ".join(f"{name} {version}" for name, version in packages.items()),
     }
     facts = "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>\n" for name, value in rows.items())
     parameters = json.dumps(suite.params.to_dict(), indent=1)

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.core import Batch
+from rss_gym.core import BaseBatch, Batch
 from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.report import series
+from rss_gym.highway.batch import RoadBatch
 from rss_gym.pages.page import text
 
 POLICIES, ENCOUNTERS = 12, 3  # that fit into the page
@@ -33,30 +34,30 @@ class ReplayFlight:
         self.times: list[float] = []
         self.collision = False
 
-    def __call__(self, batch: Batch) -> None:
+    def __call__(self, batch: BaseBatch) -> None:
         """Take the present moment of row 0."""
-        params, episode = batch.params, batch.episode[0]
-        axes = 2 if params.encounter.planar else 3
-        own, aircraft = batch.seen.own[0], batch.state.aircraft[0]
-        self.own["position"] += scaled(aircraft[0]["position_m"][:axes])
-        self.own["planned"] += scaled(own["planned_m"][:axes])
-        self.own["way_point"] += scaled(own["way_point_m"][:axes])
-        for k in range(int(episode["intruders"])):
-            if k == len(self.intruders):
-                columns = ("position", "message", "range", "std", "zone", "warning")
-                self.intruders.append({name: [] for name in columns})
-            into, other = self.intruders[k], batch.seen.others[0, k]
-            into["position"] += scaled(aircraft[1 + k]["position_m"][:axes])
-            is_stated = other["valid"] and params.interface.information != "ranges"
-            message = other["position_m"] + other["age_s"] * other["velocity_mps"] if is_stated else np.full(3, np.nan)
-            into["message"] += scaled(message[:axes])
-            into["range"] += scaled(other["range_m"])
-            into["std"] += scaled(other["range_std_m"])
-            into["zone"] += scaled(other["radius_m"])
-            into["warning"].append(int(other["warning"]))
+        episode = batch.episode[0]
+        own, others = _road(batch) if isinstance(batch, RoadBatch) else _air(batch)  # type: ignore[arg-type]
+        for name, values in own.items():
+            self.own[name] += scaled(values)
+        for k, (position_m, other, is_heard) in enumerate(others):
+            if k == len(self.intruders):  # on a road one may come later: until then it stands where it will appear
+                self.intruders.append({name: [] for name in ("position", "message", "range", "std", "zone", "warning")})
+                for _ in self.times:
+                    self._add(self.intruders[k], position_m, other, False)
+            self._add(self.intruders[k], position_m, other, is_heard)
         self.least.append(round(100.0 * float(episode["min_separation_m"])))
-        self.times.append(round(float(episode["tick"]) * params.clock.tick_s, 3))
+        self.times.append(round(float(episode["tick"]) * batch.params.clock.tick_s, 3))
         self.collision = bool(episode["collision"])
+
+    @staticmethod
+    def _add(into: dict[str, list[int | None]], position_m: np.ndarray, other: Any, is_heard: bool) -> None:
+        into["position"] += scaled(position_m)
+        message = other["position_m"] + other["age_s"] * other["velocity_mps"]
+        into["message"] += scaled((message if is_heard and other["valid"] else np.full(3, np.nan))[: len(position_m)])
+        for name, column in (("range", "range_m"), ("std", "range_std_m"), ("zone", "radius_m")):
+            into[name] += scaled(other[column] if is_heard else np.nan)
+        into["warning"].append(int(is_heard and other["warning"]))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain JSON types."""
@@ -69,13 +70,44 @@ class ReplayFlight:
         }
 
 
+Moment = tuple[dict[str, np.ndarray], list[tuple[np.ndarray, Any, bool]]]
+
+
+def _air(batch: Batch) -> Moment:
+    """The agent's vectors, and of each intruder its position, what is sensed of it, and whether it is."""
+    params, own, aircraft = batch.params, batch.seen.own[0], batch.state.aircraft[0]
+    axes = 2 if params.encounter.planar else 3
+    others = batch.seen.others[0].copy()
+    others["valid"] &= params.interface.information != "ranges"
+    vectors = {"position": aircraft[0]["position_m"], "planned": own["planned_m"], "way_point": own["way_point_m"]}
+    present = range(int(batch.episode[0]["intruders"]))
+    return (
+        {name: values[:axes] for name, values in vectors.items()},
+        [(aircraft[1 + k]["position_m"][:axes], others[k], True) for k in present],
+    )
+
+
+def _road(batch: RoadBatch) -> Moment:
+    """The same of a drive, with what highway-env has to the right as south."""
+    env, north = batch.environments[0], np.array([1.0, -1.0])
+    planned_m = env.plan.position_m(float(batch.episode[0]["tick"]) * batch.params.clock.tick_s)
+    own = {"position": env.vehicle.position, "planned": planned_m, "way_point": env.vehicle.position}
+    vehicles, others = env.ranging.sensor.vehicles[1:], env.ranging.sensor.sense_all().copy()
+    others["position_m"][:, 1] *= -1.0
+    others["velocity_mps"][:, 1] *= -1.0
+    return (
+        {name: values * north for name, values in own.items()},
+        [(v["position_m"][:2] * north, o, bool(o["present"])) for v, o in zip(vehicles, others, strict=True)],
+    )
+
+
 def scaled(values: Any) -> list[int | None]:
     """Metres as whole decimetres; None for what is not finite."""
     return [round(10.0 * value) if math.isfinite(value) else None for value in np.atleast_1d(values).tolist()]
 
 
 def closest(scored: Scored, count: int = ENCOUNTERS) -> list[int]:
-    """Rows of the encounters in which the policy came nearest to an intruder."""
+    """BaseBatch of the encounters in which the policy came nearest to an intruder."""
     table = scored.table
     return [int(row) for row in np.lexsort((table["episode"], table["min_separation_m"]))[:count]]
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 
-from rss_gym.eval import ranking
-from rss_gym.eval.evaluate import Result
+from rss_gym.domain import ROAD, domain_of
+from rss_gym.eval import ranking, road
+from rss_gym.eval.evaluate import NOMINAL, Result
 from rss_gym.eval.metrics import METRICS, Estimate
 from rss_gym.eval.ranking import Place
 from rss_gym.eval.report import series
 from rss_gym.eval.report.numbers import interval, number
 from rss_gym.pages.page import text
+from rss_gym.params import Params
 
 MAIN = (
     "cost_m",
@@ -36,6 +38,11 @@ GROUPS = {
 }
 OTHERS = "Others"
 _SUFFIXES = {"m": "_m", "s": "_s", "1/h": "_ph", "m/s": "_mps"}
+
+
+def main_metrics(world: Params) -> tuple[str, ...]:
+    """The metrics of the table that is read first."""
+    return road.MAIN if domain_of(world) is ROAD else MAIN
 
 
 def title(name: str, unit: str) -> str:
@@ -135,25 +142,23 @@ def main(result: Result) -> str:
     """The table that is read first."""
     return (
         faults(result)
-        + table(result, list(MAIN), places=True)
+        + table(result, list(main_metrics(result.suite.params)), places=True)
         + '<p class="note">Ranked by cost, each level of information on its own: mean deviation while flown, plus '
         "100 m for an sNMAC and 10,000 m for a collision. Below each value its 95 % interval; that of what a policy "
         "costs more than the first is of the pairs of flights over the same encounters. * marks the front: no other "
         "policy has both fewer collisions and less deviation. Rates are per encounter of this suite's distribution, "
-        "not per flight hour. Click a heading to sort.</p>"
+        f"not per flight hour. {road.NOTE if result.suite.domain is ROAD else ''} Click a heading to sort.</p>"
     )
 
 
 def everything(result: Result) -> str:
     """All metrics of the policies in groups, and what each means."""
     groups: dict[str, list[str]] = {name: [] for name in (*GROUPS, OTHERS)}
-    for name, metric in METRICS.items():
-        if not metric.sensor:
-            groups[next((title for title, stems in GROUPS.items() if name.startswith(stems)), OTHERS)].append(name)
+    shown = {name: METRICS[name] for name in result[NOMINAL] if not METRICS[name].sensor}
+    for name in shown:
+        groups[next((title for title, stems in GROUPS.items() if name.startswith(stems)), OTHERS)].append(name)
     markup = "".join(f"<h3>{text(title)}</h3>\n{table(result, names)}" for title, names in groups.items() if names)
     meanings = "".join(
-        f"<dt>{text(title(name, metric.unit))}</dt><dd>{text(metric.summary)}</dd>\n"
-        for name, metric in METRICS.items()
-        if not metric.sensor
+        f"<dt>{text(title(name, metric.unit))}</dt><dd>{text(metric.summary)}</dd>\n" for name, metric in shown.items()
     )
     return f'{markup}<details><summary>What the columns mean</summary><dl class="meanings">\n{meanings}</dl></details>'

@@ -14,7 +14,6 @@ from typing import Any, Protocol
 
 from rss_gym import baselines
 from rss_gym.baselines import policy_files
-from rss_gym.eval import road
 from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.records import SCORES, save, versions
@@ -111,8 +110,7 @@ class Job:
     @property
     def folder(self) -> str:
         """Named by the job and by everything that defines it."""
-        suite = road.SUITES[self.suite] if self.suite in road.SUITES else find(self.suite)
-        hashes = [suite.changed(**self.changes).hash, *(agent_digest(name) for name in self.policies)]
+        hashes = [find(self.suite).changed(**self.changes).hash, *(agent_digest(name) for name in self.policies)]
         content = json.dumps([hashes, self.policies, self.episodes, self.seed])
         return f"{self.name}-{hashlib.sha256(content.encode()).hexdigest()[:8]}"
 
@@ -129,16 +127,12 @@ class Job:
             "seed": self.seed,
             "workers": workers,
         }
-        if self.suite in road.SUITES:
-            road.save(road.evaluate(self.policies, progress=False, **settings, **self.changes), folder)
-        else:
-            save(evaluate(self.policies, progress=False, **settings, **self.changes), folder)
+        save(evaluate(self.policies, progress=False, **settings, **self.changes), folder)
 
 
 def agent_digest(name: str) -> str:
     """What a name alone does not tell of a learned policy; empty for a scripted one."""
-    agents = {**baselines.AGENTS, **baselines.road.AGENTS}
-    folder = agents.get(name) or (Path(name) if baselines.is_folder(name) else None)
+    folder = baselines.AGENTS.get(name) or (Path(name) if baselines.is_folder(name) else None)
     return hashlib.sha256(b"".join(policy_files.read(folder))).hexdigest() if folder else ""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
 import os
 import sys
@@ -58,6 +57,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Fly, save and print the table."""
     from rss_gym.eval import records, report, text
+    from rss_gym.eval.evaluate import check
     from rss_gym.files import check_new, new_folder
     from rss_gym.params import ParamsError
 
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> None:
         results = {"": _flown(options, options.out, **changes, **({"information": levels[0]} if levels else {}))}
     else:
         for level in levels:  # before hours are flown on the first
-            _scorer(options).check(options.policy, options.suite, options.reference, **changes, information=level)
+            check(options.policy, options.suite, options.reference, **changes, information=level)
         with new_folder(out) as folder:
             results = {level: _flown(options, folder / level, **changes, information=level) for level in levels}
     if options.json:
@@ -81,16 +81,17 @@ def run(options: argparse.Namespace) -> None:
         several = {level: json.loads(content) for level, content in scores.items()}
         print(json.dumps(several, indent=1) if len(levels) > 1 else scores[""].rstrip())
         return
-    columns = _scorer(options).COLUMNS if _is_road(options) else text.COLUMNS
     for level, result in results.items():
-        print(text.table(result, columns, text.coloured(sys.stdout)))
+        print(text.table(result, colour=text.coloured(sys.stdout)))
         print(f"scores: {os.path.join(options.out, level, records.SCORES)}")
         print(f"report: {os.path.join(options.out, level, report.REPORT)}")
 
 
 def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
-    """Fly, or drive, and save one record."""
-    result = _scorer(options).evaluate(
+    """Fly and save one record."""
+    from rss_gym.eval import evaluate, records, report
+
+    result = evaluate(
         options.policy,
         suite=options.suite,
         episodes=options.episodes,
@@ -99,21 +100,5 @@ def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: 
         reference=options.reference,
         **changes,
     )
-    if _is_road(options):
-        _scorer(options).save(result, out, options.csv)
-    else:
-        from rss_gym.eval import records, report
-
-        records.save(result, out, options.csv, report.write)
+    records.save(result, out, options.csv, report.write)
     return result
-
-
-def _is_road(options: argparse.Namespace) -> bool:
-    from rss_gym.eval import road
-
-    return options.suite in road.SUITES
-
-
-def _scorer(options: argparse.Namespace) -> Any:
-    """The module with `check` and `evaluate` for the suite."""
-    return importlib.import_module("rss_gym.eval.road" if _is_road(options) else "rss_gym.eval.evaluate")

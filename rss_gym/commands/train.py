@@ -35,7 +35,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Train."""
     from rss_gym.params import ParamsError
-    from rss_gym.train import recipe, road, run
+    from rss_gym.train import recipe, run
 
     changes = recipe.parse_changes(options.set or [])
     short = {"recipe.env": options.env, "recipe.steps": options.steps}
@@ -47,18 +47,13 @@ def run(options: argparse.Namespace) -> int:
                 shipped = ", ".join(recipe.recipes())
                 raise ParamsError(f"name a recipe and --out, or a run to --resume; shipped recipes: {shipped}")
             seeds = 1 if options.seeds is None else options.seeds
-            if road.is_road(options.recipe):
-                road.start(road.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
-            else:
-                run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
+            run.start(recipe.load(options.recipe, changes), options.out, seeds, options.workers, options.given)
         else:
             if changes or any(value is not None for value in (options.recipe, options.seeds, options.out)):
                 raise ParamsError("--resume goes on with a run as it was begun: give it nothing but --workers")
             run.resume(options.resume, options.workers)
     except KeyboardInterrupt:
         how = f"go on with rss-gym train --resume {options.resume or options.out}"
-        if options.resume is None and road.is_road(options.recipe):
-            how = "a training on a road is short and begins anew"
         print(f"rss-gym: interrupted; {how}", file=sys.stderr)
         return 130
     return 0

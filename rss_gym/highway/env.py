@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import gymnasium as gym
@@ -15,88 +13,12 @@ from gymnasium.envs.registration import EnvSpec
 from rss_gym.core import checked_seed
 from rss_gym.highway.config import check
 from rss_gym.highway.cost import Cost
-from rss_gym.highway.settings import mapping, prices
+from rss_gym.highway.params import RoadParams
+from rss_gym.highway.plan import Plan
+from rss_gym.highway.scene import SCENES, scene_class
 from rss_gym.highway.wrapper import RssRanging
 from rss_gym.ids import bounded
-from rss_gym.params import ParamsError, Zone, refuse_keywords, suggestion
-
-EXTRA = 'the roads need highway-env, which is not installed: pip install "rss-gym[highway]"'
-
-
-@dataclass(frozen=True)
-class Scene:
-    """A road of highway-env.
-
-    Parameters
-    ----------
-    module, name : str
-        Of its class.
-    summary : str
-    speed_relative_max_mps : float
-        |v| of (40): how fast two vehicles of this road can close.
-    duration_s : float
-        Of an episode that no collision and no arrival ends earlier.
-    config : dict
-        What differs from highway-env's own configuration.
-    """
-
-    module: str
-    name: str
-    summary: str
-    speed_relative_max_mps: float
-    duration_s: float
-    config: Mapping[str, Any]
-
-    @property
-    def is_timed(self) -> bool:
-        """Whether the duration of the configuration ends an episode."""
-        return "duration" in self.config
-
-    @property
-    def zone(self) -> dict[str, Any]:
-        """What the safety zone of this road has of its own."""
-        return {"speed_relative_max_mps": self.speed_relative_max_mps}
-
-    @property
-    def configuration(self) -> dict[str, Any]:
-        """As highway-env takes it."""
-        return {**COMMON, **self.config}
-
-
-# highway-env makes 2 to 40 steps a second with its defaults. Ten ticks a second are the world's own rate of the radio;
-# of highway-env's observation, which nobody sees, only the time is computed.
-COMMON: Mapping[str, Any] = {
-    "simulation_frequency": 10,
-    "policy_frequency": 1,
-    "observation": {"type": "AttributesObservation", "attributes": ["time"]},
-    "neighbour_vehicles_connected_lanes": True,
-}
-SCENES: dict[str, Scene] = {
-    "highway": Scene(
-        "highway_env.envs.highway_env",
-        "HighwayEnvFast",
-        "three lanes, ten vehicles ahead that drive at 21-24 m/s, the agent at 25 m/s",
-        10.0,
-        20.0,
-        {"lanes_count": 3, "vehicles_count": 10, "duration": 20},
-    ),
-    "merge": Scene(
-        "highway_env.envs.merge_env",
-        "MergeEnv",
-        "two lanes and a ramp, from which a vehicle merges in front of the agent at 30 m/s",
-        12.0,
-        12.0,
-        {},
-    ),
-    "intersection": Scene(
-        "highway_env.envs.intersection_env",
-        "IntersectionEnv",
-        "a crossing of two roads; the agent keeps its way at 9 m/s, or brakes",
-        19.0,
-        13.0,
-        {"duration": 13, "other_vehicles_type": "rss_gym.highway.traffic.CrossingVehicle"},
-    ),
-}
+from rss_gym.params import ParamsError
 
 
 class RoadEnv(gym.Env[np.ndarray, Any]):
@@ -133,9 +55,9 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     ## Arguments
 
-    `config` changes highway-env's configuration, `reward` the prices (`deviation_price`, `snmac_price_m`,
-    `collision_price_m`); all else is as for
-    `rss_gym.highway.RssRanging`, which has also what seeds do.
+    `params` is a `rss_gym.highway.params.RoadParams` or its dict, and any keyword of `RoadParams.of` changes it:
+    `config` highway-env's configuration, `reward` the prices, the others what `rss_gym.highway.RssRanging` says, which
+    has also what seeds do.
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012
@@ -143,29 +65,19 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     def __init__(
         self,
-        scene: str = "highway",
-        config: Mapping[str, Any] | None = None,
-        reward: Mapping[str, Any] | None = None,
+        scene: str | None = None,
         render_mode: str | None = None,
-        zone: Zone | Mapping[str, Any] | None = None,
+        params: RoadParams | Mapping[str, Any] | None = None,
         **keywords: Any,
     ) -> None:
-        if scene not in SCENES:
-            raise ParamsError(f"scene {scene!r} is unknown{suggestion(str(scene), SCENES)}")
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ParamsError(f"render_mode must be one of {self.metadata['render_modes']}, got {render_mode!r}")
-        known = set(RssRanging.__init__.__annotations__) - {"env", "return"}
-        refuse_keywords("a road", keywords, {*known, "config", "reward"})
-        self.scene = SCENES[scene]
+        self.params = RoadParams.of(params, **({} if scene is None else {"scene": scene}), **keywords)
+        self.scene, config = SCENES[self.params.road.scene], self.params.road.config
         kind = scene_class(self.scene)
-        changes = {} if config is None else config
-        check(changes, kind.default_config())
-        priced = prices(reward)
-        if not isinstance(zone, Zone):
-            zone = {**self.scene.zone, **mapping("zone", {} if zone is None else zone)}
-        road = kind(config={**self.scene.configuration, **changes}, render_mode=render_mode)
-        self.ranging = RssRanging(road, zone=zone, **keywords)
-        self.params = self.ranging.params.replace(reward=priced)
+        check(config, kind.default_config())
+        road = kind(config={**self.scene.configuration, **config}, render_mode=render_mode)
+        self.ranging = RssRanging(road, params=self.params, **self.params.road.of_the_wrapper)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
 
@@ -184,6 +96,12 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
     def road(self) -> Any:
         """highway-env's own environment."""
         return self.ranging.base
+
+    @property
+    def plan(self) -> Plan:
+        """Lane and speed with which the episode began."""
+        assert self.ranging.plan is not None, "no episode has begun"
+        return self.ranging.plan
 
     @property
     def config(self) -> dict[str, Any]:
@@ -233,13 +151,11 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     def _deviation_m(self) -> float:
         """Distance from where the planned lane and speed would have led by now."""
-        plan, ticks = self.ranging.plan, float(self.ranging.sensor.episode["tick"])
-        assert plan is not None
-        return float(np.hypot(*(self.vehicle.position - plan.position_m(ticks * self.params.clock.tick_s))))
+        ticks = float(self.ranging.sensor.episode["tick"])
+        return float(np.hypot(*(self.vehicle.position - self.plan.position_m(ticks * self.params.clock.tick_s))))
 
     def _info(self, info: dict[str, Any], ended: bool = False) -> dict[str, Any]:
-        plan, cost = self.ranging.plan, self._cost
-        assert plan is not None
+        plan, cost = self.plan, self._cost
         values = {
             **{name: info[name] for name in ("collision", "snmac", "zone", "min_separation_m")},
             "deviation_m": self._deviation_m(),
@@ -251,19 +167,3 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
             "is_success": ended and not info["collision"],
         }
         return {name: np.array(value) for name, value in values.items()}
-
-
-def scene_class(scene: Scene) -> Any:
-    """highway-env's class of a scene.
-
-    Raises
-    ------
-    ParamsError
-        Naming the extra to install, where highway-env is missing.
-    """
-    try:
-        return getattr(importlib.import_module(scene.module), scene.name)
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != "highway_env":
-            raise
-        raise ParamsError(EXTRA) from error

@@ -100,14 +100,19 @@ class Sensor:
 
     def sense(self) -> tuple[np.ndarray, np.ndarray]:
         """What the agent knows: OWN, and OTHER of every vehicle that is heard, nearest (as estimated) first."""
+        others = self.sense_all()
+        heard = others[others["present"]]
+        return self._own, heard[np.argsort(heard["range_m"], kind="stable")]
+
+    def sense_all(self) -> np.ndarray:
+        """OTHER of every vehicle that has appeared so far, in the order of their numbers, heard or not."""
         vehicles = self.vehicles
         n = len(vehicles) - 1
         others = np.zeros(n, OTHER)
         links.sense(
             self._config, self._channel, self._episode, vehicles, self._links[:n], self._contacts[:n], self._own, others
         )
-        heard = others[others["present"]]
-        return self._own, heard[np.argsort(heard["range_m"], kind="stable")]
+        return others
 
     def _log(self, road: Any) -> None:
         """Write down the states of all that is on the road, for `_update_radio`."""

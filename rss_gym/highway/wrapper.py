@@ -16,7 +16,7 @@ from rss_gym.highway.observation import Writer
 from rss_gym.highway.plan import Plan
 from rss_gym.highway.sensor import Sensor
 from rss_gym.highway.settings import settings
-from rss_gym.params import ParamsError, Zone, suggestion
+from rss_gym.params import Params, ParamsError, Zone, suggestion
 from rss_gym.physics.random import episode_key
 
 Driver = Literal["agent", "idm"]
@@ -45,6 +45,8 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
     driver : str
         `agent`, or `idm`: highway-env's own driver (IDM and MOBIL, on true states) takes the agent's vehicle, and
         actions have no effect.
+    params : Params, optional
+        Of `settings`, in place of what it takes.
 
     Notes
     -----
@@ -72,6 +74,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         radio_range_m: float = 150.0,
         radio: bool = True,
         driver: str = "agent",
+        params: Params | None = None,
     ) -> None:
         super().__init__(env)
         base: Any = env.unwrapped
@@ -85,7 +88,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
             raise ParamsError(f"RssRanging observes one controlled vehicle, got {base.config['controlled_vehicles']}")
         frequency = base.config["simulation_frequency"]
         ticks = int(frequency // base.config["policy_frequency"])
-        self.params = settings(
+        self.params = params or settings(
             1.0 / frequency, ticks / frequency, vehicles, channel, information, estimator, zone, ranging, navigation
         )
         self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver

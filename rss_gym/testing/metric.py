@@ -11,22 +11,23 @@ import numpy as np
 
 from rss_gym.eval.costs import cost_m
 from rss_gym.eval.metrics import METRICS, Estimate, Flights, Metric
-from rss_gym.eval.table import TABLE
+from rss_gym.eval.table import TABLE, TABLES
 
 SIZES = (0, 1, 2, 3, 10, 400)
-UNITS = {"1": "", "m": "_m", "s": "_s", "1/h": "_ph", "count": ""}  # unit -> end of the name
+UNITS = {"1": "", "m": "_m", "s": "_s", "m/s": "_mps", "1/h": "_ph", "count": ""}  # unit -> end of the name
 
 
 def check_metric(name: str) -> None:
     """It says what it is; on any flights its estimate is sound and JSON; no order of the rows changes a bit."""
     metric = METRICS[name]
     check_declaration(name)
+    columns = columns_of(metric)
     for size in SIZES:
         for seed in range(20 if size < 100 else 3):
-            check_estimate(metric(random_flights(size, seed)), metric)
-        for flights in degenerate(random_flights(size)):
+            check_estimate(metric(random_flights(size, seed, columns)), metric)
+        for flights in degenerate(random_flights(size, columns=columns)):
             check_estimate(metric(flights), metric)
-    flights = random_flights(50)
+    flights = random_flights(50, columns=columns)
     check_estimate(metric(flights_of(flights.table, flights.none, None)), metric)
     check_order(metric)
     check_arguments(metric)
@@ -60,7 +61,7 @@ def check_estimate(estimate: Estimate, metric: Metric) -> None:
 
 def check_order(metric: Metric) -> None:
     """Not a bit depends on the order of the encounters."""
-    flights = random_flights(400)
+    flights = random_flights(400, columns=columns_of(metric))
     for seed in range(5):
         shuffled = flights.rows(np.random.default_rng(seed).permutation(400))
         assert metric(shuffled) == metric(flights), "the value depends on the order of the rows"
@@ -68,7 +69,7 @@ def check_order(metric: Metric) -> None:
 
 def check_arguments(metric: Metric) -> None:
     """The tables are left alone, and `sensor` metrics are those that no policy can change."""
-    flights = random_flights(400)
+    flights = random_flights(400, columns=columns_of(metric))
     tables = [table for table in (flights.table, flights.none, flights.reference) if table is not None]
     before = [table.copy() for table in tables]
     found = metric(flights)
@@ -84,15 +85,20 @@ def flights_of(table: np.ndarray, none: np.ndarray, reference: np.ndarray | None
     return Flights(table, none, reference, suite_radius_m=120.0, trials=8, range_error_probability=0.8, reaction_s=1.0)
 
 
-def random_flights(n: int, seed: int = 0) -> Flights:
+def columns_of(metric: Metric) -> np.dtype:
+    """Those of the first domain that the metric is defined in."""
+    return TABLES[metric.domains[0]]
+
+
+def random_flights(n: int, seed: int = 0, columns: np.dtype = TABLE) -> Flights:
     """`n` random encounters with a policy, `none` and a reference."""
     generator = np.random.default_rng([seed, n])
-    return flights_of(*(random_table(generator, n, risk) for risk in (0.02, 0.5, 0.05)))
+    return flights_of(*(random_table(generator, n, risk, columns) for risk in (0.02, 0.5, 0.05)))
 
 
-def random_table(generator: np.random.Generator, n: int, risk: float) -> np.ndarray:
+def random_table(generator: np.random.Generator, n: int, risk: float, columns: np.dtype = TABLE) -> np.ndarray:
     """Flights that could be: events nested, ends after collisions."""
-    out = np.zeros(n, TABLE)
+    out = np.zeros(n, columns)
     out["episode"] = np.arange(n)
     out["duration_s"] = generator.uniform(60, 105, n)
     out["min_separation_m"] = generator.exponential(4.5 / risk, n)
@@ -109,6 +115,8 @@ def random_table(generator: np.random.Generator, n: int, risk: float) -> np.ndar
     out["false_alerts"], out["missed_ticks"] = generator.poisson(0.3, n), generator.poisson(4.0, n)
     out["sample_separation_m"] = generator.uniform(2, 190, n)
     out["sample_range_m"] = out["sample_separation_m"] + generator.normal(0, 20, n)
+    for name in (columns.names or ())[len(TABLE.names or ()) :]:
+        out[name] = generator.exponential(2.0, n)
     return out
 
 
@@ -116,7 +124,7 @@ def degenerate(flights: Flights) -> Iterator[Flights]:
     """Flights with every event and number at an extreme."""
     for value in (0, 1):
         table = flights.table.copy()
-        for name in TABLE.names or ():
+        for name in table.dtype.names or ():
             if name not in ("episode", "duration_s", "flown_s"):
                 table[name] = value
         for none in (table, flights.none):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 import json
 
+from rss_gym.domain import from_dict
 from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.suites import SUITES
-from rss_gym.params import Params
 
 EPISODES = 20
 
@@ -17,7 +17,7 @@ def check_suite(name: str) -> None:
     suite = SUITES[name]
     assert suite.name == name and suite.summary.strip(), f"suite {name!r} has no summary"
     assert json.loads(json.dumps(suite.definition, allow_nan=False)), f"suite {name!r} has no definition"
-    assert Params.from_dict(json.loads(json.dumps(suite.params.to_dict()))) == suite.params
+    assert from_dict(json.loads(json.dumps(suite.params.to_dict()))) == suite.params
     assert dataclasses.replace(suite, summary="another").hash == suite.hash, "the hash must not cover the summary"
     assert dataclasses.replace(suite, name="another-v0").hash != suite.hash, "the hash must cover the name"
     episodes = min(EPISODES, suite.episodes)

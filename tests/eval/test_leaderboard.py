@@ -178,9 +178,9 @@ def test_two_definitions_of_one_suite_are_not_merged(runs, tmp_path):
 
 
 def test_an_older_definition_is_refused(runs, tmp_path, monkeypatch):
-    from rss_gym.eval import suites
+    from rss_gym import domain
 
-    monkeypatch.setattr(suites, "WORLD_VERSION", suites.WORLD_VERSION + 1)
+    monkeypatch.setattr(domain, "WORLD_VERSION", domain.WORLD_VERSION + 1)
     with pytest.raises(RecordError, match=r"suite_hash of 'smoke-v0'.*use the version of rss-gym that wrote"):
         build([runs["official"]], tmp_path / "site")
 

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from rss_gym.eval import evaluate, records
-from rss_gym.eval.metrics import METRICS
+from rss_gym.eval.metrics import defined_in
 from rss_gym.eval.reading import load
 from rss_gym.eval.table import TABLE
 from rss_gym.files import check_new
 from rss_gym.params import Params, ParamsError
+
+METRICS = defined_in("air")
 
 HTML = "<script>alert('&\"')</script>/../.."
 

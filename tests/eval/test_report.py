@@ -15,11 +15,13 @@ import pytest
 import rss_gym  # noqa: F401
 from rss_gym.eval import evaluate, report
 from rss_gym.eval.intervals import clopper_pearson
-from rss_gym.eval.metrics import METRICS, Estimate
+from rss_gym.eval.metrics import Estimate, defined_in
 from rss_gym.eval.report import charts, curves, labels, replay, tables
 from rss_gym.eval.report.numbers import interval, number
 from rss_gym.pages import page
 from rss_gym.params import ParamsError
+
+METRICS = defined_in("air")
 
 VOID = {"meta", "input", "wbr", "br", "hr", "img", "link"}
 RULES = [f"orthogonal:radius_m={radius}" for radius in (20, 40)]

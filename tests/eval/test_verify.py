@@ -10,16 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rss_gym import domain
 from rss_gym.cli import main
-from rss_gym.eval import evaluate, records, suites
+from rss_gym.eval import evaluate, records
 from rss_gym.eval.evaluate import score
-from rss_gym.eval.metrics import METRICS
+from rss_gym.eval.metrics import defined_in
 from rss_gym.eval.policies import Entry
 from rss_gym.eval.reading import load
 from rss_gym.eval.records import save, table_digest, write_table
 from rss_gym.eval.suites import Suite
 from rss_gym.eval.verify import definition, report, sample, verify
 from rss_gym.params import Params
+
+METRICS = defined_in("air")
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE))
@@ -144,7 +147,7 @@ def test_the_sample_is_one_percent_and_at_least_ten(sound):
 
 
 def test_a_changed_world_is_said_and_nothing_is_flown(folder, monkeypatch):
-    monkeypatch.setattr(suites, "WORLD_VERSION", suites.WORLD_VERSION + 1)
+    monkeypatch.setattr(domain, "WORLD_VERSION", domain.WORLD_VERSION + 1)
     verdict = verify(folder)
     assert [what.split()[0] for _, what, _ in found(verdict)] == ["suite_hash"]
     assert "definition has changed" in report(verdict) and not verdict.flown and len(verdict.not_flown) == 4

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from rss_gym.baselines import road
-from rss_gym.highway.settings import settings
+from rss_gym import baselines
+from rss_gym.highway.params import RoadParams
 from rss_gym.params import ParamsError
 
-ACTIONS = ("LANE_LEFT", "IDLE", "LANE_RIGHT", "FASTER", "SLOWER")
-WORLD = road.World(settings(0.1, 1.0), ACTIONS)
-CROSSING = road.World(settings(0.1, 1.0), ("SLOWER", "IDLE", "FASTER"))
+WORLD = RoadParams.of()
+CROSSING = RoadParams.of(scene="intersection", zone={"speed_relative_max_mps": 10.0})
 OWN = {
     "speed_mps": 25.0, "speed_error_mps": 0.0, "commanded_error_mps": 0.0, "plan_error_m": 0.0, "lane_offset_m": 0.0,
     "lanes_left": 1.0, "lanes_right": 1.0, "changing": 0.0,
@@ -25,7 +24,7 @@ def act(*vehicles, world=WORLD, silent=(), **own):
     seen |= dict(zip(names, rows.T, strict=True))
     range_m = np.array([*(np.hypot(x, y) for x, y, _, _ in vehicles), *silent])
     seen |= {"message_valid": held, "warning": np.ones(len(held)), "range_m": range_m, "range_rate_mps": 0.0 * held}
-    return road.make("rule", world).act(seen)
+    return baselines.make("rule", world).choose(seen)
 
 
 AHEAD = (20.0, 0.0, -3.0, 0.0)  # in a zone of (4 / 0.8 + 3 * 1) * 3 = 24 m
@@ -72,15 +71,15 @@ def test_brakes_for_who_crosses():
 
 
 def test_on_ranges_alone_it_brakes():
-    world = road.World(settings(0.1, 1.0, information="ranges"), ACTIONS)
+    world = RoadParams.of(information="ranges")
     seen = {name: np.float64(value) for name, value in OWN.items()}
     near = {"message_valid": np.ones(1), "warning": np.ones(1), "range_m": np.array([20.0])}
-    rule = road.make("rule", world)
-    assert rule.act({**seen, **near, "range_rate_mps": np.array([-4.0])}) == "SLOWER"
-    assert rule.act({**seen, **near, "range_rate_mps": np.array([1.0])}) == "IDLE"
-    assert rule.act({**seen, **near, "range_rate_mps": np.array([1.0]), "warning": np.zeros(1)}) == "IDLE"
+    rule = baselines.make("rule", world)
+    assert rule.choose({**seen, **near, "range_rate_mps": np.array([-4.0])}) == "SLOWER"
+    assert rule.choose({**seen, **near, "range_rate_mps": np.array([1.0])}) == "IDLE"
+    assert rule.choose({**seen, **near, "range_rate_mps": np.array([1.0]), "warning": np.zeros(1)}) == "IDLE"
     slow = {**seen, "commanded_error_mps": np.float64(-5.0), **near, "warning": np.zeros(1)}
-    assert rule.act({**slow, "range_rate_mps": np.zeros(1)}) == "FASTER"
+    assert rule.choose({**slow, "range_rate_mps": np.zeros(1)}) == "FASTER"
 
 
 def test_one_observation_and_a_batch():
@@ -88,8 +87,8 @@ def test_one_observation_and_a_batch():
 
     env = RoadEnv()
     observation, _ = env.reset(seed=0)
-    for name in (*road.POLICIES, *road.AGENTS):
-        policy = road.make(name, road.World.of(env))
+    for name in baselines.able(env.params):
+        policy = baselines.make(name, env.params)
         single, _ = policy.predict(observation)
         batch, _ = policy.predict(np.stack([observation] * 3))
         assert env.action_space.contains(single) and batch.tolist() == [single] * 3
@@ -99,12 +98,27 @@ def test_one_observation_and_a_batch():
     ("spec", "sentence"),
     [
         ("rul", "policy 'rul' is unknown on a road; did you mean 'rule'"),
-        ("rule:lateral=2", "no parameter 'lateral'; did you mean 'lateral_m'"),
+        ("rule:lateral=2", "has no option 'lateral'; did you mean 'lateral_m'"),
+        ("rule:lateral_m=1,lateral_m=2", "option 'lateral_m' of policy 'rule' is given twice"),
+        ("orca", "policy 'orca' is unknown on a road"),
         ("rule:lateral_m=x", "must be a number, got 'x'"),
         ("rule:lateral_m=99", r"lateral_m must be in \[0.5, 10\]"),
         ("model.zip", "reading runs code from it"),
+        ("none@oracl", "information 'oracl' is unknown; did you mean 'oracle'"),
     ],
 )
 def test_refused(spec, sentence):
     with pytest.raises(ParamsError, match=sentence):
-        road.make(spec, WORLD)
+        baselines.make(spec, WORLD)
+
+
+def test_a_driver_that_sees_true_states_is_one_of_information_oracle():
+    policy = baselines.make("idm", WORLD)
+    assert policy.params == RoadParams.of(driver="idm", information="oracle")
+    assert baselines.make("rule@oracle", WORLD).params.interface.information == "oracle"
+
+
+def test_drivers_choose_meta_actions_only():
+    continuous = RoadParams.of(config={"action": {"type": "ContinuousAction"}})
+    with pytest.raises(ParamsError, match="meta-actions"):
+        baselines.make("none", continuous).predict(np.zeros(0))

@@ -1,23 +1,33 @@
-"""Scores on a road: the same table as in the world, the same result in every process, the command."""
+"""Scores on a road, by the evaluator of the air: the same result in every process, records verified and ranked."""
 
 import json
-import sys
-from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from rss_gym.cli import main
-from rss_gym.eval import ranking, reading, road
-from rss_gym.eval.episodes import Block, PolicyError
-from rss_gym.eval.road.drives import drive, environment
+from rss_gym.domain import ROAD, domain_of
+from rss_gym.eval import evaluate, fly, leaderboard, merge, ranking, reading, records, report
+from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
+from rss_gym.eval.suites import SUITES, find
+from rss_gym.eval.verify import verify
+from rss_gym.highway.env import RoadEnv
 from rss_gym.params import ParamsError
+
+ROADS = {name: suite for name, suite in SUITES.items() if suite.domain is ROAD}
+SUITE = find("highway-v0")
 
 
 @pytest.fixture(scope="module")
 def result():
     """Five episodes of the three drivers."""
-    return road.evaluate(["rule", "idm"], episodes=5)
+    return evaluate(["rule", "idm"], "highway-v0", episodes=5, progress=False)
+
+
+@pytest.fixture(scope="module")
+def folder(result, tmp_path_factory):
+    """Its record."""
+    return records.save(result, tmp_path_factory.mktemp("record") / "run", page=report.write)
 
 
 @pytest.mark.slow
@@ -27,32 +37,28 @@ def test_drives_are_paired_by_key(result):
     assert none["episode"].tolist() == rule["episode"].tolist() == list(range(5))
     assert not none["manoeuvre_m"].any() and rule["manoeuvre_m"].any()
     assert none["collision"].any()
-    same_start = environment(road.SUITES["highway-v0"], {})
-    same_start.reset(seed=0, options={"split": "suite", "episode": 2})
-    x_m = same_start.road.vehicle.position[0]
-    assert none["flown_m"][2] == pytest.approx(
-        np.linalg.norm(_last_position(same_start, 2) - [x_m, same_start.road.vehicle.position[1]]), rel=1e-6
-    )
-
-
-def _last_position(env, episode):
-    """Where `none` ends, driven by hand; `env` is left at the start of the episode."""
-    start = env.reset(seed=0, options={"split": "suite", "episode": episode})
-    assert start is not None
-    done = False
+    env = RoadEnv()
+    env.reset(seed=0, options={"split": "suite", "episode": 2})
+    start, done = env.vehicle.position.copy(), False
     while not done:
         _, _, terminated, truncated, _ = env.step(1)
         done = terminated or truncated
-    last = env.road.vehicle.position.copy()
-    env.reset(seed=0, options={"split": "suite", "episode": episode})
-    return last
+    assert none["flown_m"][2] == pytest.approx(np.linalg.norm(env.vehicle.position - start), rel=1e-6)
+
+
+def test_a_batch_is_its_rows(result):
+    """Drives that end at times of their own leave each other alone, and manoeuvres end with the drive of `none`."""
+    rule = result.policies[1]
+    for episode in range(5):
+        alone = evaluate("rule", SUITE, episodes=range(episode, episode + 1), progress=False)
+        assert alone.policies[1].table.tobytes() == rule.table[episode : episode + 1].tobytes()
 
 
 def test_metrics_follow_from_the_tables(result):
-    for scored, deviations in zip(result.policies, result.deviations, strict=True):
+    for scored in result.policies:
         collisions = int(scored.table["collision"].sum())
         assert scored.metrics["collision_rate"].value == pytest.approx(collisions / 5)
-        assert scored.metrics["lane_deviation_m"].value == pytest.approx(deviations["lane_deviation_m"].mean())
+        assert scored.metrics["lane_deviation_m"].value == pytest.approx(scored.table["lane_deviation_m"].mean())
         assert scored.metrics["speed_deviation_mps"].unit == "m/s"
         assert "zone_severity" not in scored.metrics
         lost_s = scored.table["duration_s"] - scored.table["flown_s"]
@@ -77,11 +83,45 @@ def test_drives_are_ranked_by_their_mean_cost(result):
 
 
 @pytest.mark.slow
-def test_processes_change_nothing(result, monkeypatch):
-    monkeypatch.setattr(sys.modules["rss_gym.eval.road.evaluate"], "CHUNK", 3)
-    again = road.evaluate(["rule", "idm"], episodes=5, workers=2)
-    for one, two in zip(result.policies, again.policies, strict=True):
-        assert np.array_equal(one.table, two.table)
+def test_parts_and_processes_change_nothing(result):
+    again = evaluate(["rule", "idm"], "highway-v0", episodes=5, workers=2, block=3, progress=False)
+    parts = merge(fly(["rule", "idm"], "highway-v0", numbers) for numbers in (range(2, 5), range(2)))
+    for one, two, three in zip(result.policies, again.policies, parts.policies, strict=True):
+        assert one.table.tobytes() == two.table.tobytes() == three.table.tobytes()
+
+
+def test_a_record_is_verified(folder):
+    verdict = verify(folder, every=True)
+    assert verdict.verified and verdict.flown == {"none": 5, "rule": 5, "idm": 5}
+    page = (folder / "report.html").read_text()
+    assert "Replays" in page and "Not flown again" not in page
+
+
+def test_a_false_record_is_found_out(folder, tmp_path):
+    import shutil
+
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    content = json.loads((copy / "scores.json").read_text())
+    content["policies"][1]["metrics"]["lane_deviation_m"]["value"] += 1.0
+    (copy / "scores.json").write_text(json.dumps(content))
+    assert any("lane_deviation_m" in str(difference) for difference in verify(copy).differences)
+
+
+def test_a_record_may_not_name_code_for_highway_env_to_import(folder, tmp_path):
+    import shutil
+
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    content = json.loads((copy / "scores.json").read_text())
+    content["params"]["road"]["config"] = {"other_vehicles_type": "os.path"}
+    (copy / "scores.json").write_text(json.dumps(content))
+    with pytest.raises(reading.RecordError, match=r"params\.road\.config = .* must be empty"):
+        reading.load(copy)
+
+
+def test_records_are_ranked_on_a_leaderboard(folder, tmp_path):
+    site = leaderboard.build([folder], tmp_path / "site")
+    page = site.page.read_text()
+    assert "Suite highway-v0" in page and "rule" in page and "near miss" not in page
 
 
 def test_command(tmp_path, capsys):
@@ -93,17 +133,16 @@ def test_command(tmp_path, capsys):
     scores = json.loads((out / "scores.json").read_text())
     assert [policy["name"] for policy in scores["policies"]] == ["none", "rule"]
     assert scores["families"] == ["merge"] and not scores["official"]
-    assert np.load(out / "deviations.npz")["lane_deviation_m"].shape == (2, 2)
     assert "Safety against deviation" in (out / "report.html").read_text()
-    with pytest.raises(reading.RecordError, match="is of a road"):
-        reading.load(out)
+    assert main(["verify", str(out)]) == 0
 
 
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        (["--families", "crossing"], "only channel, information, estimator can be changed"),
+        (["--families", "crossing"], "a road has no parameter 'families'"),
         (["--policy", "ruel"], "policy 'ruel' is unknown on a road; did you mean 'rule'"),
+        (["--policy", "rule:lateral_m=1,lateral_m=2"], "given twice"),
         (["--reference", "idm"], "reference 'idm' is not among the policies"),
         (["--episodes", "0"], "episodes must be a whole number >= 1"),
         (["--channel", "papre"], "did you mean 'paper'"),
@@ -116,26 +155,23 @@ def test_refused(more, sentence, tmp_path, capsys):
     assert not (tmp_path / "run").exists()
 
 
-def test_unknown_road():
-    with pytest.raises(ParamsError, match="did you mean 'highway-v0'"):
-        road.evaluate(["rule"], "higway-v0")
+def test_a_policy_of_the_air_is_refused_on_a_road():
+    from rss_gym.baselines import make
+
+    with pytest.raises(ParamsError, match="made for the air"):
+        evaluate({"mine": make("none")}, "highway-v0", episodes=1)
 
 
 def test_a_policy_that_fails_is_named():
     class Broken:
-        keywords: ClassVar[dict[str, object]] = {}
-
         def predict(self, observation, state=None, episode_start=None, deterministic=True):
             return np.array([99]), None
 
-    suite = road.SUITES["highway-v0"]
-    with pytest.raises(
-        PolicyError, match=r"'broken': action must be in Discrete\(5\), got .*99.*decision 0 of episode 3"
-    ):
-        next(drive(Broken(), "broken", environment(suite, {}), Block("suite", 0, [3])))
+    with pytest.raises(PolicyError, match=r"'broken': discrete actions must be in 0\.\.4, got 99.*of episode 3"):
+        fly_episodes(Broken(), "broken", SUITE.params, Block("suite", 0, [3]))
 
 
 def test_suites_are_told_apart_by_their_hash():
-    suite = road.SUITES["highway-v0"]
-    assert len({found.hash for found in road.SUITES.values()}) == len(road.SUITES)
-    assert suite.changed(information="ranges").hash != suite.hash == suite.changed().hash
+    assert len({found.hash for found in ROADS.values()}) == len(ROADS) == 3
+    assert SUITE.changed(information="ranges").hash != SUITE.hash == SUITE.changed().hash
+    assert all(domain_of(suite.params).packages == ("highway-env",) for suite in ROADS.values())

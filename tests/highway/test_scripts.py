@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from rss_gym.baselines.shipped import CARD
-from rss_gym.eval import road
+from rss_gym.eval import evaluate
+from rss_gym.eval.records import save
 from rss_gym.eval.studies import roads
-from rss_gym.train.road.ship import ship
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -40,19 +39,6 @@ def test_benchmark(monkeypatch, capsys):
     assert capsys.readouterr().out.count("decisions/s") == 3
 
 
-def test_a_driver_is_shipped_with_its_card(tmp_path):
-    agent = tmp_path / "run" / "agent"
-    agent.mkdir(parents=True)
-    for name in ("policy.json", "policy.safetensors", CARD):
-        (agent / name).write_text(name)
-    (agent / CARD).write_text("# Driver `highway`, seed 0 of 3\n")
-    (tmp_path / "agents" / "mine").mkdir(parents=True)
-    (tmp_path / "agents" / "mine" / "old").touch()
-    folder = ship(tmp_path / "run", "mine", tmp_path / "agents")
-    assert sorted(path.name for path in folder.iterdir()) == [CARD, "policy.json", "policy.safetensors"]
-    assert (folder / CARD).read_text() == "# Driver `mine`, seed 0 of 3\n"
-
-
 def test_picture_and_table(tmp_path, monkeypatch):
     pytest.importorskip("pygame")
     image = pytest.importorskip("PIL.Image")
@@ -60,6 +46,6 @@ def test_picture_and_table(tmp_path, monkeypatch):
     from rss_gym.eval.studies.roads import picture
 
     assert image.open(io.BytesIO(picture.picture())).size == (picture.WIDTH_PX, picture.HEIGHT_PX)
-    record = road.save(road.evaluate(["rule"], episodes=2), tmp_path / "record")
+    record = save(evaluate(["rule"], "highway-v0", episodes=2, progress=False), tmp_path / "record")
     lines = roads.drivers(record).splitlines()
     assert lines[2].startswith("| `rule` | 2 |") and lines[3].startswith("| `none` | 2 |")  # the cheapest first

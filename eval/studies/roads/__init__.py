@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rss_gym.arguments import count
-from rss_gym.baselines.road import AGENTS
+from rss_gym.eval.evaluate import ALL
 from rss_gym.eval.policies import folder_name
 from rss_gym.eval.studies.study import Job, Part, fly, made, read, table
 from rss_gym.eval.text import cell
 
-SUITE, POLICIES = "highway-v0", ("none", "rule", "idm", *AGENTS)
+SUITE = "highway-v0"
 COLUMNS = {
     "cost_m": ("cost, m", ".1f"),
     "collision_rate": ("collisions", ".3f"),
@@ -25,9 +25,7 @@ COLUMNS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What is driven, and how often."""
-    parser.add_argument(
-        "--policy", nargs="+", default=list(POLICIES), metavar="NAME", help="what to drive, agents' folders too"
-    )
+    parser.add_argument("--policy", nargs="+", default=[ALL], metavar="NAME", help="what to drive, agents' folders too")
     parser.add_argument("--episodes", type=count, default=1000, metavar="N", help="drives of each (default: 1000)")
     parser.add_argument(
         "--record", type=Path, metavar="DIR", help="a record of `rss-gym eval --suite highway-v0`, in place of driving"

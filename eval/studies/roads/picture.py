@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from rss_gym.baselines.road import World, make
+from rss_gym.baselines import make
 from rss_gym.highway.env import RoadEnv
 
 SHOWN_EPISODE, SHOWN_DECISION = 0, 5
@@ -23,7 +23,7 @@ def picture() -> bytes:
     view = {"screen_width": WIDTH_PX, "screen_height": HEIGHT_PX, "scaling": SCALING, "centering_position": [0.2, 0.5]}
     env = RoadEnv(render_mode="rgb_array", config=view)
     observation, _ = env.reset(seed=0, options={"split": "suite", "episode": SHOWN_EPISODE})
-    policy = make("rule", World.of(env))
+    policy = make("rule", env.params)
     for _ in range(SHOWN_DECISION):
         observation, *_ = env.step(policy.predict(observation)[0])
     image = Image.fromarray(env.render())

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from rss_gym import observation
-from rss_gym.core import Batch
 from rss_gym.eval.episodes import Block, start
 from rss_gym.eval.studies.section import Criterion, Scale, Section
 from rss_gym.eval.studies.world.rows import SEED
@@ -97,7 +98,7 @@ def sampled(params: Params) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarr
     velocity_mps : (n, 2) array
         The intruder's planned velocity along and to the right of the agent's leg.
     """
-    batch: Batch = start(params, Block("suite", SEED, range(EPISODES)))
+    batch: Any = start(params, Block("suite", SEED, range(EPISODES)))
     random, heard, ended = np.random.default_rng(0), np.zeros(EPISODES), np.zeros(EPISODES, bool)
     actions, rows = np.zeros((EPISODES, 3)), np.zeros_like(batch.observations)
     left_s, velocity = np.zeros(EPISODES), np.zeros((EPISODES, 2))

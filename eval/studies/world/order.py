@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.stats import spearmanr
 
 from rss_gym import baselines
-from rss_gym.core import Batch
 from rss_gym.eval.episodes import Block, checked, command, start
 from rss_gym.eval.studies.section import Criterion, Scale, Section
 from rss_gym.eval.studies.world.rows import SEED
@@ -45,7 +46,7 @@ def section(scale: Scale) -> Section:
 def _means(name: str) -> tuple[float, float]:
     policy = baselines.make(name, Params())
     params = policy.params
-    batch: Batch = start(params, Block("suite", SEED, range(EPISODES)))
+    batch: Any = start(params, Block("suite", SEED, range(EPISODES)))
     total, done, state, first = np.zeros(EPISODES), np.zeros(EPISODES, bool), None, True
     while not done.all():
         actions, state = command(policy, name, batch.observations, state, np.full(EPISODES, first))
