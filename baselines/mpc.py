@@ -108,14 +108,14 @@ class Mpc(Scripted):
 
     def act(self, seen: dict[str, np.ndarray], memory: np.ndarray) -> np.ndarray:
         """Towards the cheapest candidate."""
-        params, limits, others = self.params, self.params.aircraft, intruders(seen)
+        params, aircraft, others = self.params, self.params.aircraft, intruders(seen)
         out = np.zeros((len(memory), 3))
         limits = (
-            limits.speed_max_mps,
-            limits.vertical_speed_max_mps,
-            limits.acceleration_max_mps2,
-            limits.position_gain_ps2,
-            limits.velocity_gain_ps,
+            aircraft.speed_max_mps,
+            aircraft.vertical_speed_max_mps,
+            aircraft.acceleration_max_mps2,
+            aircraft.position_gain_ps2,
+            aircraft.velocity_gain_ps,
         )
         _steer(
             candidates(self.farthest_m, 0.0 if params.encounter.planar else params.encounter.altitude_band_m),

@@ -51,6 +51,13 @@ def part(default: str, kind: str) -> Any:
     return field(default=default, metadata={"registry": kind})
 
 
+def known(item: dataclasses.Field[Any]) -> list[str]:
+    """The names that a field made by `choice` or `part` may hold; none for another field."""
+    if "registry" in item.metadata:
+        return [name for name, part in registry_of(item.metadata["registry"]).items() if getattr(part, "flies", True)]
+    return list(item.metadata.get("known", ()))
+
+
 class Group:
     """A frozen dataclass whose fields check themselves."""
 
@@ -71,10 +78,9 @@ class Group:
                 raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), meta['known'])}")
         elif "registry" in meta:
             if value != item.default:  # the default is there; looking it up would load kernels
-                found = registry_of(meta["registry"])
-                known = [name for name, part in found.items() if getattr(part, "flies", True)]
-                if not isinstance(value, str) or value not in known:
-                    raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), known)}")
+                names = known(item)
+                if not isinstance(value, str) or value not in names:
+                    raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), names)}")
         elif "low" in meta:
             # `numbers` knows NumPy's scalars too, as a sweep hands them over.
             kind: Any = numbers.Integral if isinstance(item.default, int) else numbers.Real

@@ -161,6 +161,12 @@ def test_parameters_with_a_word(capsys, word):
     assert len(rows) == len(lines) and {"name", "default", "unit", "range", "meaning"} <= set(rows[0])
 
 
+def test_a_parameter_that_names_a_part_lists_those_that_fly(capsys):
+    rows = {row["name"]: row["range"] for row in json.loads(run(capsys, "params", "t", "--json")[1])}
+    assert rows["estimator"] == "ls, ekf-white-r, ekf-white, ekf-coloured, ekf-log"
+    assert rows["tracker"] == "latest, fused, bearings"
+
+
 def test_no_such_parameter(capsys):
     status, out, err = run(capsys, "params", "colision_m")
     assert status == 2 and not out and "did you mean 'collision_m'" in err

@@ -61,6 +61,7 @@ def test_every_door_has_an_example_of_twenty_lines():
         assert len([line for line in code.splitlines() if line.strip()]) <= 20
 
 
+@pytest.mark.slow
 def test_the_command_line_lists_and_flies_them(elsewhere, tmp_path):
     listed = json.loads(run(elsewhere, *COMMAND, "list", "--json"))
     assert "fitted to three flights" in listed["channels"]["my-radio"]
@@ -86,6 +87,7 @@ def test_the_command_line_lists_and_flies_them(elsewhere, tmp_path):
     assert "share of the flight before the first warning" in (out / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_each_passes_the_contract_tests_of_its_kind_by_one_call(elsewhere):
     code = """
 from rss_gym import testing
