@@ -98,7 +98,7 @@ def make_vec_env(
         if name not in _OF_CLASS:
             raise ParamsError(f"vec_env_kwargs has no {name!r} without a vec_env_cls{suggestion(name, _OF_CLASS)}")
     environment = EncounterVecEnv(n_envs, **_merged("vec_env_kwargs", more, {**found, **world}))
-    environment.spec = env_id if isinstance(env_id, EnvSpec) else gym.spec(env_id)  # type: ignore[arg-type]
+    environment.spec = env_id if isinstance(env_id, EnvSpec) else gym.spec(str(env_id).rpartition(":")[2])
     if seed is not None:
         environment.seed(checked_seed(seed))
     file = None

@@ -11,9 +11,9 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecFrameStack, VecMonitor, VecNormalize, VecVideoRecorder
 
 import rss_gym  # noqa: F401
-from rss_gym.ids import IDS
+from rss_gym.ids import IDS, ROADS
 from rss_gym.observation import fields
-from rss_gym.params import ParamsError
+from rss_gym.params import Params, ParamsError
 from rss_gym.sb3 import make_vec_env
 
 N = 6
@@ -169,3 +169,97 @@ def test_bad_actions_and_order():
         environment.step(np.full((3, 2), np.nan, np.float32))
     with pytest.raises(gym.error.ResetNeeded, match="step_async"):
         environment.step_wait()
+
+
+# -- as SB3's own function --------------------------------------------------------------------------------------------
+
+
+def trained(venv):
+    return PPO("MlpPolicy", venv, n_steps=64, batch_size=64, n_epochs=1, seed=0, device="cpu").learn(1500)
+
+
+def test_it_is_monitored_by_default(tmp_path):
+    from stable_baselines3.common.monitor import load_results
+
+    model = trained(make_vec_env("rss_gym/Encounter-v0", 8, seed=0, monitor_dir=str(tmp_path / "log"), **FAST))
+    assert len(model.ep_info_buffer) > 0 and {"r", "l", "t"} <= set(model.ep_info_buffer[0])
+    model.get_env().close()
+    pytest.importorskip("pandas")
+    assert len(load_results(str(tmp_path / "log"))) >= len(model.ep_info_buffer)
+
+
+@pytest.mark.parametrize("name", ["rss_gym/Encounter-v0", "rss_gym/Encounter3D-v0"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {},
+        {"n_envs": 3},
+        {"env_kwargs": {"channel": "outdoor", "intruders": 2}},
+        {"env_kwargs": {"max_episode_steps": 5}},
+        {"seed": 3, "start_index": 7},
+        {"monitor_kwargs": {"info_keywords": ("collision",)}},
+        {"monitor_kwargs": {"allow_early_resets": False}},
+        {"wrapper_class": gym.wrappers.ClipAction},
+        {"wrapper_class": gym.wrappers.TimeAwareObservation, "wrapper_kwargs": {"normalize_time": False}},
+    ],
+    ids=str,
+)
+def test_it_does_what_sb3_s_function_does(name, arguments):
+    from stable_baselines3.common.env_util import make_vec_env as theirs
+
+    seeded = {"seed": 5} | arguments
+    one, two = make_vec_env(name, **seeded), theirs(name, **seeded)
+    assert one.num_envs == two.num_envs
+    assert one.observation_space == two.observation_space and one.action_space == two.action_space
+    np.testing.assert_array_equal(one.reset(), two.reset())
+    for _ in range(12):
+        action = np.zeros((one.num_envs, *one.action_space.shape), np.float32)
+        ours, expected = one.step(action), two.step(action)
+        for got, wanted in zip(ours[:3], expected[:3], strict=True):
+            np.testing.assert_allclose(got, wanted, rtol=1e-6)
+        for row in np.flatnonzero(ours[2]):
+            for key in ("r", "l"):
+                assert ours[3][row]["episode"][key] == pytest.approx(expected[3][row]["episode"][key], rel=1e-5, abs=1e-5)
+            assert set(ours[3][row]["episode"]) == set(expected[3][row]["episode"])
+            assert ours[3][row]["TimeLimit.truncated"] == expected[3][row]["TimeLimit.truncated"]
+
+
+def test_ids_specs_and_callables():
+    spec = gym.make("rss_gym/Encounter-v0", channel="outdoor", max_episode_steps=9).spec
+    for given in ("rss_gym:rss_gym/Encounter-v0", spec, gym.spec("rss_gym/Encounter3D-v0")):
+        venv = make_vec_env(given, 2, seed=0)
+        venv.reset()
+        assert venv.unwrapped.batch.n == 2
+    assert make_vec_env(spec, 2).get_attr("params")[0].channels == Params.of(channel="outdoor").channels
+    assert make_vec_env(lambda: gym.make("rss_gym/Encounter-v0"), 2).reset().shape[0] == 2
+    wrapped = gym.wrappers.ClipAction(gym.make("rss_gym/Encounter-v0")).spec
+    assert make_vec_env(wrapped, 2).env_is_wrapped(gym.wrappers.ClipAction) == [True, True]
+
+
+@pytest.mark.parametrize("name", sorted(ROADS))
+def test_roads(name):
+    pytest.importorskip("highway_env")
+    venv = make_vec_env(name, 2, seed=0)
+    venv.reset()
+    while not venv.step(np.ones(2, int))[2].any():
+        pass
+    assert venv.num_envs == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"vec_env_kwargs": {"start_method": "fork"}}, "start_method"),
+        ({"vec_env_kwargs": {"every_info": True}, "every_info": True}, "twice"),
+        ({"env_kwargs": {"channel": "paper"}, "channel": "outdoor"}, "twice"),
+        ({"wrapper_class": gym.wrappers.ClipAction, "every_info": True}, "every_info"),
+        ({"env_kwargs": {"chanel": "paper"}}, "chanel"),
+        ({"env_id": "no_such_module:rss_gym/Encounter-v0"}, "no_such_module"),
+        ({"env_id": 3}, "unknown"),
+        ({"env_id": "CartPole-v1"}, "CartPole-v1"),
+        ({"max_episode_steps": 0}, "max_episode_steps"),
+    ],
+)
+def test_arguments_that_cannot_be_are_named(arguments, words):
+    with pytest.raises(ParamsError, match=words):
+        make_vec_env(**{"env_id": "rss_gym/Encounter-v0", "n_envs": 2} | arguments)
