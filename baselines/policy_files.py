@@ -18,6 +18,7 @@ from rss_gym.baselines.masks import MASKS
 from rss_gym.baselines.network import ACTIVATIONS
 from rss_gym.domain import domain_of
 from rss_gym.params import Params, ParamsError, suggestion
+from rss_gym.plain_files import read_plain
 
 DOCUMENT, WEIGHTS = "policy.json", "policy.safetensors"
 FORMAT = 2
@@ -89,10 +90,9 @@ def read(folder: Path) -> tuple[bytes, bytes]:
 
 def _read(path: Path, limit: int) -> bytes:
     try:
-        size = path.stat().st_size
-        if size > limit:
-            raise ParamsError(f"{path.name} has {size} bytes; at most {limit} are read")
-        return path.read_bytes()
+        return read_plain(path, limit)
+    except ParamsError as error:
+        raise ParamsError(f"{path.name} {error}") from error
     except OSError as error:
         raise ParamsError(f"{path.name} cannot be read: {error.strerror or error}") from error
 

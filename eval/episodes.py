@@ -27,6 +27,10 @@ class PolicyError(RuntimeError):
     """A policy raised, or returned something that is not a batch of actions."""
 
 
+class WorkerError(PolicyError):
+    """A process that flew policies died, which says nothing of what it would have flown."""
+
+
 @dataclass(frozen=True, slots=True)
 class Block:
     """Episodes of one seed and split, flown side by side; `episodes` are their numbers, a range or any others."""

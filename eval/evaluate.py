@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import closing
@@ -11,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from rss_gym.baselines import able
 from rss_gym.core import SEED_LIMIT, checked_seed
@@ -24,6 +22,7 @@ from rss_gym.eval.suites import Suite, find
 from rss_gym.eval.table import TABLES
 from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import Params, ParamsError
+from rss_gym.progress import progress_bar
 
 BLOCK = 2048  # episodes flown side by side; any value gives the same scores
 ALL = "all"  # in place of a policy's name
@@ -112,7 +111,7 @@ def evaluate(
     reference : str, optional
         Name of the policy that completed-only figures are compared with; default: the first one given.
     progress : bool, optional
-        Show a progress bar; default: when the error stream is a terminal.
+        Show a progress bar; default: on a terminal, elsewhere a line every half a minute.
     block : int
         Episodes flown side by side, at most.
     executor : concurrent.futures.Executor, optional
@@ -152,10 +151,9 @@ def fly_run(
     starts = range(0, count, size)
     blocks = [Block(run.suite.split, run.seed, run.episodes[first : first + size]) for first in starts]
     tables = [np.zeros(count, TABLES[run.suite.domain.name]) for _ in run.entries]
-    show = sys.stderr.isatty() if progress is None else progress
     with (
         closing(fly_blocks(run.entries, run.named, run.suite.params, blocks, workers, executor)) as flying,
-        tqdm(total=count * len(tables), unit="flight", disable=not show, leave=False) as bar,
+        progress_bar(progress, total=count * len(tables), unit="flight") as bar,
     ):
         for first, parts in zip(starts, flying, strict=True):
             for table, part in zip(tables, parts, strict=True):

@@ -13,6 +13,7 @@ from rss_gym.baselines.agent import Agent
 from rss_gym.baselines.policy import Scripted
 from rss_gym.domain import domain_of
 from rss_gym.eval.imported import imported
+from rss_gym.eval.normalised import with_statistics
 from rss_gym.params import Params, ParamsError
 
 
@@ -62,6 +63,7 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
         if name is None and baselines.is_folder(policy):
             name = folder_name(policy)
         policy = imported(policy, params) if baselines.is_code(policy) else baselines.make(policy, params)
+    policy = with_statistics(policy)
     if not callable(getattr(policy, "predict", None)):
         raise ParamsError(f"policy {spec!r} has no method `predict`; it must follow SB3's protocol")
     if isinstance(policy, (Scripted, Agent)):

@@ -5,18 +5,16 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import os
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from rss_gym import baselines
 from rss_gym.baselines.agent import Agent
-from rss_gym.eval.episodes import Block, PolicyError, described
+from rss_gym.eval.episodes import Block, PolicyError, WorkerError, described
 from rss_gym.eval.evaluate import BLOCK, score
 from rss_gym.eval.metrics import METRICS
 from rss_gym.eval.policies import Entry, entry
@@ -25,6 +23,7 @@ from rss_gym.eval.records import versions
 from rss_gym.eval.suites import SUITES, Suite, find
 from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import ParamsError
+from rss_gym.progress import progress_bar
 
 SHARE = 0.01  # of the episodes that is flown again
 EPISODES_MIN = 10
@@ -153,8 +152,7 @@ def verify(
     entries, verdict.not_flown, claims = entries_of(record, suite, trust)
     verdict.differences += claims
     numbers = sample(record, every, seed)
-    show = sys.stderr.isatty() if progress is None else progress
-    with tqdm(total=len(numbers) * len(entries), unit="flight", disable=not show, leave=False) as bar:
+    with progress_bar(progress, total=len(numbers) * len(entries), unit="flight") as bar:
         _fly_again(record, suite, entries, numbers, workers, verdict, bar.update)
     return verdict
 
@@ -279,6 +277,8 @@ def _fly_again(
         group = groups.pop(0)
         try:
             verdict.differences += compared(group)
+        except WorkerError:  # the machine's fault, not the record's
+            raise
         except PolicyError as error:
             if len(group) > 2:  # once more, each beside `none`, to find out who fails
                 groups = [[nominal, item] for item in group if item is not nominal]

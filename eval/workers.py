@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 import numpy as np
 
 from rss_gym import registry
-from rss_gym.eval.episodes import Block, PolicyError, described, fly_episodes
+from rss_gym.eval.episodes import Block, PolicyError, WorkerError, described, fly_episodes
 from rss_gym.eval.policies import Entry, entry
 from rss_gym.params import Params, ParamsError
 
@@ -107,7 +107,7 @@ def _submitted(
         while waiting:
             yield waiting.popleft().result()
     except BrokenExecutor as error:
-        raise PolicyError(
+        raise WorkerError(
             "a worker process died (out of memory, killed, or ended by a policy; or the script that calls `evaluate` "
             "lacks `if __name__ == '__main__':`); nothing was scored"
         ) from error

@@ -130,13 +130,17 @@ def _mark(target: Path) -> int:
             os.close(descriptor)
             raise ParamsError(f"output folder {str(target)!r} is being written by another process")
     for name in _left(target):
-        path = target / name
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink(missing_ok=True)
+        _clear(target / name)
     os.ftruncate(descriptor, 0)
     return descriptor
+
+
+def _clear(path: Path) -> None:
+    """Remove a file, a folder with its content, or a link, but not what a link leads to."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _left(target: Path) -> list[str]:
@@ -210,23 +214,20 @@ def replaced_folder(target: Path) -> Iterator[Path]:
         new = Path(temporary) / target.name
         new.mkdir()
         yield new
-        if target.exists():
+        if os.path.lexists(target):
             target.rename(old)
         new.rename(target)
-    shutil.rmtree(old, ignore_errors=True)
+    _clear(old)
 
 
 def tidy(parent: Path, *names: str) -> None:
     """Clear what a killed process left of the files and replaced folders `names` in `parent`."""
     for name in names:
         old = _aside(parent / name)
-        if old.exists() and not (parent / name).exists():
+        if os.path.lexists(old) and not os.path.lexists(parent / name):
             old.rename(parent / name)
         for left in (old, *parent.glob(f".{name}-*")):
-            if left.is_dir():
-                shutil.rmtree(left)
-            else:
-                left.unlink(missing_ok=True)
+            _clear(left)
 
 
 def _aside(target: Path) -> Path:

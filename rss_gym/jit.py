@@ -35,7 +35,8 @@ _WITHOUT_KERNELS = {
     for name in (
         *("calibration", "commands", "eval", "pages", "render", "testing", "train"),
         *("__main__.py", "arguments.py", "cli.py", "demo.py", "env.py", "errors.py", "extend.py", "files.py"),
-        *("listing.py", "meanings.py", "registry.py", "rows.py", "sb3.py", "terminal.py", "vector.py", "warm.py"),
+        *("listing.py", "meanings.py", "plain_files.py", "progress.py", "registry.py", "rows.py", "sb3.py"),
+        *("terminal.py", "vector.py", "warm.py"),
     )
 }
 # The entry point for C is of no use here and takes time to compile.

@@ -11,7 +11,6 @@ import dataclasses
 import math
 import numbers
 import os
-import tomllib
 import types
 import typing
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,11 +21,13 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from rss_gym.errors import ParamsError, UnknownParamError, suggestion
+from rss_gym.plain_files import read_toml
 from rss_gym.registry import Registry
 from rss_gym.registry import of as registry_of
 from rss_gym.streams import MAX_INTRUDERS
 
 PRESETS_FOLDER = Path(__file__).parent / "presets"
+CHANNEL_BYTES_MAX = 65536  # of a channel file
 RADIOS = "radios"  # the name of the list of all presets but `clean`, and of as many random radios as this:
 RANDOM_RADIOS = 59
 
@@ -427,18 +428,15 @@ def load_channel(source: str | os.PathLike[str] | Mapping[str, Any] | Channel) -
     path = Path(text) if preset is None else preset.source
     if isinstance(path, Channel):
         return path
-    if preset is None and not os.path.isfile(path):  # Path.is_file raises for a name that is too long
+    if preset is None and not os.path.exists(path):  # Path.is_file raises for a name that is too long
         if path.suffix == ".toml" or len(path.parts) > 1:
             raise ParamsError(f"channel file {text!r} does not exist")
         raise ParamsError(f"channel preset {text!r} is unknown{suggestion(text, [*CHANNELS, RADIOS])}")
     try:
-        is_short = path.stat().st_size <= 65536
-        table = tomllib.loads(path.read_text(encoding="utf-8")) if is_short else {}
-    except (OSError, ValueError, RecursionError) as error:  # tomllib: its own, endless numbers, deep nesting
-        raise ParamsError(f"channel file {text!r} is not readable TOML: {error}") from error
+        table = read_toml(path, CHANNEL_BYTES_MAX)
+    except ParamsError as error:
+        raise ParamsError(f"channel file {text!r} {error}") from error
     try:
-        if not is_short:
-            raise ParamsError("larger than 64 KiB; a channel is a short TOML table")
         _refuse_unknown("the file", table, ["channel"])
         if not isinstance(table.get("channel"), Mapping):
             raise ParamsError("there is no table [channel]")

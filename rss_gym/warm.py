@@ -8,12 +8,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from rss_gym import baselines, jit
 from rss_gym.avoidance.literal import flown
 from rss_gym.baselines.network import long_short_term
 from rss_gym.params import Params, load_channel
+from rss_gym.progress import progress_bar
 from rss_gym.radio import simulate
 from rss_gym.radio.path_loss import distance, received
 from rss_gym.ranging.path_loss_factor import adaptive, estimate_path_loss_factor
@@ -22,13 +22,13 @@ from rss_gym.safety.counting import count_missed
 from rss_gym.vector import EncounterVectorEnv
 
 
-def warm(show: bool = True) -> Path | None:
+def warm(show: bool | None = None) -> Path | None:
     """Compile what is not compiled yet and keep it.
 
     Parameters
     ----------
-    show : bool
-        Show the progress.
+    show : bool, optional
+        Show a progress bar; default: on a terminal, elsewhere a line every half a minute.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def warm(show: bool = True) -> Path | None:
         The folder of compiled code; None if none can be kept.
     """
     parts = list(steps())
-    with tqdm(parts, unit="part", disable=not show) as bar:
+    with progress_bar(show, iterable=parts, unit="part") as bar:
         for name, call in bar:
             bar.set_description(name)
             call()

@@ -219,7 +219,9 @@ def test_it_does_what_sb3_s_function_does(name, arguments):
             np.testing.assert_allclose(got, wanted, rtol=1e-6)
         for row in np.flatnonzero(ours[2]):
             for key in ("r", "l"):
-                assert ours[3][row]["episode"][key] == pytest.approx(expected[3][row]["episode"][key], rel=1e-5, abs=1e-5)
+                assert ours[3][row]["episode"][key] == pytest.approx(
+                    expected[3][row]["episode"][key], rel=1e-5, abs=1e-5
+                )
             assert set(ours[3][row]["episode"]) == set(expected[3][row]["episode"])
             assert ours[3][row]["TimeLimit.truncated"] == expected[3][row]["TimeLimit.truncated"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import pickle
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,12 +14,13 @@ from typing import Any
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.masks import MASKS
 from rss_gym.domain import domain_of, domain_of_id
+from rss_gym.eval.normalised import saw_normalised
 from rss_gym.files import check_new, new_folder
 from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, suggestion
-from rss_gym.train.export import Inputs, export
+from rss_gym.train.export import Inputs, Normalisation, export
 from rss_gym.train.hyperparameters import ALGORITHMS
-from rss_gym.train.run import AGENT, best_seed, read
+from rss_gym.train.run import AGENT, best_seed, read, training_record
 from rss_gym.train.run_record import copy_policy
 
 DATA_MAX = 1 << 26  # bytes
@@ -43,7 +45,7 @@ def export_run(run: str | os.PathLike[str], out: str | os.PathLike[str]) -> floa
     source = agent if agent.is_dir() else best_seed(run)[0]
     with new_folder(out) as folder:
         copy_policy(source, folder)
-        return float(load(folder, recipe.params).document["training"]["difference"])
+        return float(training_record(load(folder, recipe.params), "difference"))
 
 
 def export_model(
@@ -53,6 +55,7 @@ def export_model(
     algorithm: str | None = None,
     world: Mapping[str, Any] | None = None,
     zeroed: str = "nothing",
+    statistics: str | os.PathLike[str] | None = None,
 ) -> float:
     """Read a `.zip` of SB3, which runs code from it, and write the policy into the new folder `out`.
 
@@ -70,6 +73,9 @@ def export_model(
         Parameters that differed from those of the id.
     zeroed : str
         What it was trained without, one of `rss_gym.baselines.masks.MASKS`; the file does not tell.
+    statistics : path, optional
+        What `VecNormalize.save` wrote, which runs code too when it is read; needed for a model that was trained on
+        normalised observations.
 
     Returns
     -------
@@ -99,8 +105,30 @@ def export_model(
     except Exception as error:  # of whatever kind: it runs code from the file
         text = " ".join(f"{type(error).__name__}: {error}".split())
         raise ParamsError(f"{os.fspath(path)!r} cannot be read as {kind.name}: {text}") from error
-    inputs = Inputs(stack=_stacked(model.observation_space.shape[0], params), zeroed=zeroed)
+    normalisation = None if statistics is None else _normalisation(statistics, model)
+    if statistics is None and saw_normalised(model):
+        raise ParamsError(
+            f"{os.fspath(path)!r} was trained on observations that VecNormalize had normalised: give the file of its "
+            "statistics, which VecNormalize.save writes, with --statistics"
+        )
+    inputs = Inputs(normalisation, stack=_stacked(model.observation_space.shape[0], params), zeroed=zeroed)
     return export(model, params, out, inputs, training={"source": Path(path).name})
+
+
+def _normalisation(path: str | os.PathLike[str], model: Any) -> Normalisation | None:
+    """The statistics of a `VecNormalize` in a file, which must be of the model's observations."""
+    try:
+        with open(path, "rb") as file:
+            found = Normalisation.of(pickle.load(file))
+    except Exception as error:  # of whatever kind: it runs code from the file
+        text = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise ParamsError(f"{os.fspath(path)!r} cannot be read as what VecNormalize.save writes: {text}") from error
+    if found is not None and found.mean.shape != model.observation_space.shape:
+        raise ParamsError(
+            f"{os.fspath(path)!r} is of observations of shape {found.mean.shape}, and the model sees "
+            f"{model.observation_space.shape}"
+        )
+    return found
 
 
 def _stacked(width: int, params: Params) -> int:

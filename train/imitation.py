@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
@@ -16,7 +17,7 @@ from rss_gym.train.learner import Learner
 CORRELATION = 0.9  # of the disturbance from decision to decision
 
 
-def imitate(learner: Learner) -> str:
+def imitate(learner: Learner, show: Callable[[str], object] = lambda _: None) -> str:
     """Fit the actor to the recipe's rule, which flies the learner's own rows.
 
     `VecNormalize` learns from these flights as from any others; the training's episodes are those that come next.
@@ -28,8 +29,8 @@ def imitate(learner: Learner) -> str:
     """
     start = perf_counter()
     table = learner.recipe.imitation
-    inputs, actions, episodes = _flown(learner)
-    error = _fit(learner, torch.as_tensor(inputs), torch.as_tensor(actions))
+    inputs, actions, episodes = _flown(learner, show)
+    error = _fit(learner, torch.as_tensor(inputs), torch.as_tensor(actions), show)
     found = f"{1.0 - error:.1%} alike"
     if actions.ndim > 1:
         found = f"rms error {error:.4f} of actions with a standard deviation of {actions.std(axis=0).mean():.4f}"
@@ -39,7 +40,7 @@ def imitate(learner: Learner) -> str:
     )
 
 
-def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
+def _flown(learner: Learner, show: Callable[[str], object]) -> tuple[np.ndarray, np.ndarray, int]:
     """What the actor sees and the rule does, float32, and how many encounters ended."""
     table, teacher = learner.recipe.imitation, learner.recipe.teacher
     venv, batch = learner.venv, learner.training_env.venv.batch
@@ -65,13 +66,14 @@ def _flown(learner: Learner) -> tuple[np.ndarray, np.ndarray, int]:
             done = np.clip(wanted + disturbance, -1.0, 1.0).astype(np.float32)
         seen, _, first, _ = venv.step(done)
         episodes += int(first.sum())
+        show(f"imitation, {episodes:,} of {table.episodes:,} encounters")
     rows: Any = np.concatenate(inputs)
     if normalised is not None:
         rows = normalised.normalize_obs(rows)
     return rows, np.concatenate(actions), episodes
 
 
-def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor) -> float:
+def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor, show: Callable[[str], object]) -> float:
     """Least squares over minibatches, of discrete actions least cross-entropy.
 
     The rms error of the last epoch, of discrete actions the share that the actor would choose otherwise after it.
@@ -83,7 +85,8 @@ def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor) -> float
     batches = -(-len(inputs) // table.batch_size)
     cycle = torch.optim.lr_scheduler.OneCycleLR(optimizer, table.learning_rate, total_steps=table.epochs * batches)
     total = 0.0
-    for _ in range(table.epochs):
+    for epoch in range(table.epochs):
+        show(f"imitation, pass {epoch + 1} of {table.epochs}")
         total = 0.0
         for chosen in torch.randperm(len(inputs)).split(table.batch_size):
             loss = loss_of(actor.outputs(policy, inputs[chosen]), actions[chosen])

@@ -17,6 +17,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecFrameStack, VecNormalize
 
 from rss_gym.baselines.agent import Agent
 from rss_gym.params import ParamsError
+from rss_gym.plain_files import read_json
 from rss_gym.train import actor, export
 from rss_gym.train.hyperparameters import ALGORITHMS, Sac
 from rss_gym.train.masked import Masked
@@ -25,6 +26,7 @@ from rss_gym.train.sb3_arguments import arguments, network
 from rss_gym.train.training_env import TrainingVecEnv
 
 MODEL, STATE = "model.zip", "state.json"
+STATE_BYTES_MAX = 1 << 26
 RECENT = 1000  # episodes that the progress is averaged over
 # Of a running episode or of this process; each is made anew when a training goes on.
 PASSING = (
@@ -92,7 +94,7 @@ class Learner:
         """As `save` left it, with new episodes in all rows and an empty replay buffer. Runs no code of the file."""
         learner = cls.new(recipe, seed)
         try:
-            state = json.loads((folder / STATE).read_text(encoding="utf-8"))
+            state = read_json(folder / STATE, STATE_BYTES_MAX)
             _, weights, variables = load_from_zip_file(folder / MODEL, device="cpu", load_data=False)
             model: Any = learner.model
             model.set_parameters(weights, device="cpu")
@@ -106,8 +108,11 @@ class Learner:
                 statistics = getattr(learner.venv, name)
                 statistics.mean, statistics.var = np.array(table["mean"]), np.array(table["variance"])
                 statistics.count = table["count"]
-        except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
-            raise ParamsError(f"checkpoint {str(folder)!r} cannot be read: {' '.join(str(error).split())}") from error
+        except Exception as error:  # of whatever kind a damaged file makes PyTorch raise
+            said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+            raise ParamsError(
+                f"checkpoint {str(folder)!r} cannot be read ({said}); put it aside, and the seed begins anew"
+            ) from error
         if isinstance(recipe.hyperparameters, Sac):
             model.gradient_steps = 0  # until `look_at_buffer` finds enough in it
         # Other draws than those before the end by force, which the same seed would repeat.

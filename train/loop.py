@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -18,13 +18,14 @@ from tqdm import tqdm
 
 from rss_gym.baselines.agent import load
 from rss_gym.files import replaced_folder, tidy
+from rss_gym.progress import progress_bar
 from rss_gym.train.imitation import imitate
-from rss_gym.train.learner import STATE, Learner
+from rss_gym.train.learner import RECENT, STATE, Learner
 from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
 from rss_gym.train.run_record import BEST
 from rss_gym.train.table import Table
-from rss_gym.train.validation import BestTracker, Validator
+from rss_gym.train.validation import BestTracker, Validator, keep_start
 
 CHECKPOINT, BEST_MODEL = "checkpoint", "best.zip"
 PROGRESS, VALIDATION, TENSORBOARD = "progress.csv", "validation.csv", "tensorboard"
@@ -65,7 +66,7 @@ class Times:
 
 
 def train_seed(
-    recipe: Recipe, folder: Path, index: int, record: dict[str, Any], show: bool = False, position: int = 0
+    recipe: Recipe, folder: Path, index: int, record: dict[str, Any], show: bool | None = False, position: int = 0
 ) -> Times:
     """Train one seed to the recipe's number of steps, from its checkpoint if there is one.
 
@@ -78,8 +79,8 @@ def train_seed(
         k of the k-th seed, which is k * 2**20.
     record : dict
         What the training record of each exported policy begins with.
-    show : bool
-        Show a progress bar.
+    show : bool, optional
+        As `rss_gym.progress.progress_bar` takes it.
     position : int
         Its line.
     """
@@ -94,15 +95,15 @@ def train_seed(
         learner.model.set_logger(Logger(str(folder), _outputs(folder, done)))
         if done >= recipe.steps:
             return callback.times
-        with tqdm(
+        with progress_bar(
+            show,
             total=recipe.steps,
             initial=done,
             desc=f"seed {index}",
             unit="step",
             unit_scale=True,
-            disable=not show,
+            leave=True,
             position=position,
-            dynamic_ncols=True,
         ) as callback.bar:
             model: Any = learner.model
             model.learn(recipe.steps - done, callback, log_interval=None, reset_num_timesteps=not resumed)
@@ -148,8 +149,10 @@ class TrainingCallback(BaseCallback):
         self._seen = self.first
 
     def _on_training_start(self) -> None:
+        if self.first == 0:
+            keep_start(self.folder, self.validator.score(self.learner.agent(), "start"))
         if self.imitates:
-            self._say(imitate(self.learner))
+            self._say(imitate(self.learner, self._show_imitation))
             self.learner.restart()
             self._save()
         self._began, self.learner.training_env.spent_s = perf_counter(), 0.0
@@ -163,6 +166,11 @@ class TrainingCallback(BaseCallback):
         if self.imitates:
             self._validate(competes=self.learner.recipe.imitation.competes)
 
+    def _show_imitation(self, text: str) -> None:
+        """What goes on before the first step."""
+        self.bar.set_postfix_str(text, refresh=False)
+        self.bar.refresh()
+
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **keywords: Any) -> Any:
             start = perf_counter()
@@ -173,7 +181,8 @@ class TrainingCallback(BaseCallback):
         return call
 
     def _on_step(self) -> bool:
-        self.bar.update(self.num_timesteps - self.bar.n)
+        # SB3 finishes its last round of rows, past the number of steps.
+        self.bar.update(min(self.num_timesteps, self.bar.total) - self.bar.n)
         return True
 
     def _on_rollout_end(self) -> None:
@@ -208,8 +217,9 @@ class TrainingCallback(BaseCallback):
         self._learning_since = None
 
     def _log(self) -> None:
-        recent: Iterable[dict[str, float]] = self.model.ep_info_buffer or ()
-        if recent:
+        recent: Sequence[dict[str, float]] = self.model.ep_info_buffer or ()
+        # At first only collisions have ended, which says nothing of their rate.
+        if len(recent) >= min(self.learner.venv.num_envs, RECENT):
             names = {"r": "reward", "collision": "collision_rate", "deviation_m": "deviation_m"}
             means = {name: float(safe_mean([episode[key] for episode in recent])) for key, name in names.items()}
             self.bar.set_postfix({name: f"{mean:.3g}" for name, mean in means.items()}, refresh=False)

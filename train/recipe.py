@@ -18,6 +18,7 @@ from rss_gym.baselines.policy import Scripted
 from rss_gym.domain import ROAD, Domain, domain_of_id
 from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, load_channel, suggestion
+from rss_gym.plain_files import read_toml
 from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
@@ -203,18 +204,14 @@ def load(source: str | os.PathLike[str], changes: Mapping[str, Any] | None = Non
     """
     text, shipped = os.fspath(source), recipes()
     path = shipped.get(text) or Path(text)
-    if text not in shipped and not os.path.isfile(path):
+    if text not in shipped and not os.path.exists(path):
         if path.suffix == ".toml" or len(path.parts) > 1:
             raise ParamsError(f"recipe file {text!r} does not exist")
         raise ParamsError(f"recipe {text!r} is unknown{suggestion(text, shipped)}")
     try:
-        if path.stat().st_size > SIZE_MAX:
-            raise ParamsError(f"recipe file {text!r} is larger than {SIZE_MAX} bytes")
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        if isinstance(error, ParamsError):
-            raise
-        raise ParamsError(f"recipe file {text!r} is not readable TOML: {error}") from error
+        tables = read_toml(path, SIZE_MAX)
+    except ParamsError as error:
+        raise ParamsError(f"recipe file {text!r} {error}") from error
     for key, value in (changes or {}).items():
         section, _, name = key.partition(".")
         _known("--set: a recipe", "table", section, SECTIONS)

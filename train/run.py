@@ -12,7 +12,6 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
-import sys
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -25,12 +24,13 @@ from gymnasium.spaces import Discrete
 from tqdm import tqdm
 
 from rss_gym import registry
-from rss_gym.baselines.agent import load
+from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.domain import ROAD
 from rss_gym.eval.workers import end_with, interrupts_held
 from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
 from rss_gym.params import ParamsError
+from rss_gym.plain_files import read_json
 from rss_gym.train import recipe as recipes
 from rss_gym.train.hyperparameters import ALGORITHMS
 from rss_gym.train.lock import locked
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from rss_gym.train.loop import Times
 
 LOCK = "lock"
+RUN_BYTES_MAX = 1 << 22
+KINDS = {"format": int, "name": str, "recipe": dict, "world": dict, "seeds": list, "versions": dict, "command": list}
 
 
 def start(
@@ -65,7 +67,7 @@ def start(
     command : sequence of str
         Kept in the run.
     show : bool, optional
-        Show progress bars; default: when the error stream is a terminal.
+        Show progress bars; default: on a terminal, elsewhere a line every half a minute.
 
     Returns
     -------
@@ -110,12 +112,15 @@ def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
         As `resume`.
     """
     try:
-        document = json.loads((Path(folder) / RUN).read_text(encoding="utf-8"))
+        document = read_json(Path(folder) / RUN, RUN_BYTES_MAX)
+        for key, kind in KINDS.items():
+            if not isinstance(document, dict) or not isinstance(document.get(key), kind):
+                raise ParamsError(f"{key} must be a {kind.__name__}")
         if document["format"] != FORMAT:
             raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
         recipe = recipes.from_dict(document["name"], document["recipe"])
         check_count("seeds", len(document["seeds"]))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ParamsError(f"{str(folder)!r} is not the folder of a run: {RUN}: {error}") from error
     if recipe.params.to_dict() != document["world"]:
         raise ParamsError(
@@ -133,7 +138,7 @@ def best_seed(folder: str | os.PathLike[str]) -> tuple[Path, str]:
     ParamsError
         If no seed has been validated yet.
     """
-    from rss_gym.train.validation import Validator, ranked
+    from rss_gym.train.validation import Validator, closing_sentence, ranked
 
     recipe, document = read(folder)
     root = Path(folder)
@@ -151,10 +156,28 @@ def best_seed(folder: str | os.PathLike[str]) -> tuple[Path, str]:
         raise ParamsError(f"run {str(folder)!r} has no agent to rank: each gave actions that are not finite")
     lines = [f"{recipe.validation.episodes} encounters of split validation, 95 % intervals; best first:"]
     for place in places:
-        steps = found[place.name].document["training"]["validation"]["steps"]
+        steps = training_record(found[place.name], "validation", "steps")
         number = "-" if place.place is None else f"{place.place}."
         lines.append(f"  {number} {place.name}, {steps:,} steps: {scores[place.name]}")
-    return root / places[0].name / BEST, "\n".join(lines)
+    best = places[0].name
+    lines.append(closing_sentence(root / best, scores[best], validator))
+    return root / best / BEST, "\n".join(lines)
+
+
+def training_record(agent: Agent, *keys: str) -> Any:
+    """A number of an agent's training record.
+
+    Raises
+    ------
+    ParamsError
+        If the record does not have it.
+    """
+    found: Any = agent.document["training"]
+    for key in keys:
+        found = found.get(key) if isinstance(found, dict) else None
+    if isinstance(found, bool) or not isinstance(found, (int, float)):
+        raise ParamsError(f"the agent's {DOCUMENT} has no training record: training.{'.'.join(keys)} must be a number")
+    return found
 
 
 def _loop(recipe: Recipe) -> None:
@@ -193,12 +216,11 @@ def _train(folder: Path, workers: int, show: bool | None) -> Path:
         if not has_tensorboard():
             print("TensorBoard is not installed (pip install tensorboard): curves go to progress.csv only", flush=True)
         count = len(document["seeds"])
-        bars = sys.stderr.isatty() if show is None else show
         if min(workers, count) == 1:
             for index in range(count):
-                _report(index, _seed(str(folder), index, bars))
+                _report(index, _seed(str(folder), index, show))
         else:
-            _spread(folder, count, workers, bars)
+            _spread(folder, count, workers, show)
         best, table = best_seed(folder)
         with replaced_folder(folder / AGENT) as new:
             copy_policy(best, new)
@@ -210,7 +232,7 @@ def _report(index: int, times: Times) -> None:
     print(f"seed {index}: {times}", flush=True)
 
 
-def _seed(folder: str, index: int, show: bool, position: int = 0, sent: bytes = b"") -> Times:
+def _seed(folder: str, index: int, show: bool | None, position: int = 0, sent: bytes = b"") -> Times:
     from rss_gym.train.loop import train_seed
 
     registry.restore(sent)
@@ -219,7 +241,7 @@ def _seed(folder: str, index: int, show: bool, position: int = 0, sent: bytes = 
     return train_seed(recipe, Path(folder) / f"seed-{index}", index, record, show, position)
 
 
-def _spread(folder: Path, count: int, workers: int, show: bool) -> None:
+def _spread(folder: Path, count: int, workers: int, show: bool | None) -> None:
     """Train the seeds in processes of their own, which end with this one."""
     lifeline, held = multiprocessing.Pipe(duplex=False)
     spawn = multiprocessing.get_context("spawn")

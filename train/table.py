@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rss_gym.files import write_text
+from rss_gym.params import ParamsError
 
 
 class Table:
@@ -26,8 +27,19 @@ class Table:
     def __init__(self, path: Path, steps: str, until: int = 0) -> None:
         self.path, self.rows = path, []
         if path.exists():
-            with open(path, encoding="utf-8", newline="") as file:
-                self.rows = [row for row in csv.DictReader(file) if int(row[steps]) <= until]
+            try:
+                with open(path, encoding="utf-8", newline="") as file:
+                    reader = csv.DictReader(file, strict=True)
+                    if reader.fieldnames and steps not in reader.fieldnames:
+                        raise KeyError(steps)
+                    self.rows = [row for row in reader if int(row[steps]) <= until]
+                if any(None in row or None in row.values() for row in self.rows):
+                    raise ValueError("a row has another number of columns than the header")
+            except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
+                what = f"no column {steps!r}" if isinstance(error, KeyError) else str(error)
+                raise ParamsError(
+                    f"{str(path)!r} is no table of a training ({what}); put it aside, and the training goes on without"
+                ) from error
             self._write()
 
     rows: list[dict[str, Any]]

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rss_gym.baselines import make
+from rss_gym.baselines import able, make
 from rss_gym.eval.costs import SCORE, cost_m
 from rss_gym.eval.episodes import Block, fly_episodes
 from rss_gym.eval.evaluate import BLOCK
 from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.ranking import Candidate, Place, rank
 from rss_gym.eval.text import cell
-from rss_gym.params import Params
+from rss_gym.files import write_text
+from rss_gym.params import Params, ParamsError
+from rss_gym.plain_files import read_json
 
+START = "start.json"  # in the folder of a seed
+RULES = ("orthogonal", "modified-orthogonal", "rule")  # what an agent is compared with: the paper's, where it flies
 SPLIT, SEED = "validation", 0
 METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
 
@@ -120,6 +126,36 @@ class Validator:
 def ranked(scores: Mapping[str, ValidationScore]) -> list[Place]:
     """The order of these scores, best first; names are those of their candidates."""
     return rank(score.candidate for score in scores.values())
+
+
+def keep_start(folder: Path, score: ValidationScore) -> None:
+    """Write what the policy cost before its training into the folder of a seed."""
+    cost = score.metrics["cost_m"]
+    write_text(folder / START, json.dumps({"cost_m": cost.value, "low": cost.low, "high": cost.high}) + "\n")
+
+
+def closing_sentence(folder: Path, score: ValidationScore, validator: Validator) -> str:
+    """Whether the best policy of a seed's folder, with this score, beats its own start and the paper's rule."""
+    cost_m = score.candidate.costs.mean_m
+    try:
+        start = read_json(folder / START, 1000)
+        high, low = score.metrics["cost_m"].high, start["low"]
+        beaten = high is not None and high < low
+        verb = "below" if beaten else "not clearly below" if cost_m < start["cost_m"] else "NOT below"
+        first = f"{verb} the {start['cost_m']:.2f} m of its start"
+    except (OSError, ParamsError, KeyError, TypeError):
+        first = "its start is not known"
+    name = next(rule for rule in RULES if rule in able(validator.params))
+    rule = validator.score(make(name, validator.params), name)
+    places = rank([replace(score.candidate, name="the agent"), rule.candidate])
+    if places[0].name != "the agent":
+        second = "and does NOT beat"
+    else:
+        gap = places[1].difference
+        clear = gap is not None and gap.low is not None and gap.low > 0.0
+        second = "and beats" if clear else "and does not clearly beat"
+    rule_m = rule.candidate.costs.mean_m
+    return f"the agent costs {cost_m:.2f} m an encounter: {first}, {second} the rule {name} at {rule_m:.2f} m"
 
 
 class BestTracker:

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-from tqdm import tqdm
 
 from rss_gym.eval.paper import page
 from rss_gym.eval.paper.figures import FIGURES
@@ -19,6 +16,7 @@ from rss_gym.eval.paper.study import QUICK, Size, Study
 from rss_gym.files import new_folder, write_text
 from rss_gym.pages.figure import require_figures
 from rss_gym.params import ParamsError
+from rss_gym.progress import progress_bar
 
 __all__ = ["FIGURES", "QUICK", "Number", "Reproduction", "Size", "reproduce", "write"]
 
@@ -65,8 +63,7 @@ def reproduce(size: Size | None = None, seed: int = 0, progress: bool | None = N
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEED_END:
         raise ParamsError(f"seed must be a whole number in [0, {SEED_END}), got {seed!r}")
     study = Study(size or Size(), seed)
-    show = sys.stderr.isatty() if progress is None else progress
-    with tqdm(FIGURES.items(), unit="figure", disable=not show, leave=False) as bar:
+    with progress_bar(progress, iterable=FIGURES.items(), unit="figure") as bar:
         panels = []
         for name, draw in bar:
             bar.set_description(f"figure {name}")

@@ -18,6 +18,11 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--env", metavar="ID", help="the id the .zip was trained in (default: rss_gym/Encounter-v0)")
     parser.add_argument("--algorithm", help="ppo, recurrent-ppo or sac (default: what the .zip looks like)")
     parser.add_argument(
+        "--statistics",
+        metavar="FILE",
+        help="what VecNormalize.save wrote, of a model that was trained on normalised observations",
+    )
+    parser.add_argument(
         "--set",
         nargs="+",
         action="extend",
@@ -32,13 +37,17 @@ def run(options: argparse.Namespace) -> None:
     from rss_gym.train import convert, recipe
 
     if os.path.isdir(options.source):
-        if any(value is not None for value in (options.env, options.algorithm, options.set)):
-            raise ParamsError("--env, --algorithm and --set are for a .zip; a run knows its own world")
+        if any(value is not None for value in (options.env, options.algorithm, options.set, options.statistics)):
+            raise ParamsError("--env, --algorithm, --set and --statistics are for a .zip; a run knows its own")
         difference = convert.export_run(options.source, options.out)
     else:
+        if not any(os.path.isfile(path) for path in (options.source, f"{options.source}.zip")):  # SB3 adds the ending
+            raise ParamsError(f"{options.source!r} is neither the folder of a run nor a file")
         print(f"Reading {options.source} runs code from it.", file=sys.stderr, flush=True)
         world = recipe.parse_changes(options.set or [])
         env = options.env or "rss_gym/Encounter-v0"
-        difference = convert.export_model(options.source, options.out, env, options.algorithm, world)
+        difference = convert.export_model(
+            options.source, options.out, env, options.algorithm, world, statistics=options.statistics
+        )
     print(f"greatest difference from SB3's actions on 1,000 observations: {difference:.2g}")
     print(f"policy: {options.out}")

@@ -21,13 +21,19 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the verdict; 0 if the record is verified, 1 if not."""
+    """Print the verdict; 0 if the record is verified, 1 if not, 3 if it could not be checked."""
     from rss_gym.eval import verify
+    from rss_gym.eval.episodes import WorkerError
+    from rss_gym.terminal import say
 
     if options.trust:
         see_modules_here()
-    verdict = verify.verify(
-        options.folder, every=options.every, trust=options.trust, seed=options.seed, workers=options.workers
-    )
+    try:
+        verdict = verify.verify(
+            options.folder, every=options.every, trust=options.trust, seed=options.seed, workers=options.workers
+        )
+    except WorkerError as error:
+        say(f"the record could not be checked, which says nothing about it: {error}")
+        return 3
     print(json.dumps(verdict.to_dict(), indent=1) if options.json else verify.report(verdict))
     return 0 if verdict.verified else 1

@@ -273,3 +273,17 @@ def test_records_of_other_versions_are_compared_too(folder):
     verdict = verify(folder)
     assert verdict.verified and set(verdict.versions) == {"numpy", "numba"}
     assert records.versions()["numpy"] == verdict.versions["numpy"][1]
+
+
+def test_a_worker_that_dies_is_not_held_against_the_record(sound, capsys, monkeypatch):
+    from rss_gym.eval import verify as module
+    from rss_gym.eval.episodes import WorkerError
+
+    def die(*_, **__):
+        raise WorkerError("a worker process died (out of memory)")
+        yield
+
+    monkeypatch.setattr(sys.modules["rss_gym.eval.verify"], "fly_blocks", die)
+    assert main(["verify", str(sound), "--workers", "2"]) == 3
+    out, err = capsys.readouterr()
+    assert not out and "could not be checked, which says nothing about it" in err and module
