@@ -17,7 +17,11 @@ from rss_gym.train.learner import Learner
 CORRELATION = 0.9  # of the disturbance from decision to decision
 
 
-def imitate(learner: Learner, show: Callable[[str], object] = lambda _: None) -> str:
+def _silent(_: str) -> None:
+    """Show nothing."""
+
+
+def imitate(learner: Learner, show: Callable[[str], object] = _silent) -> str:
     """Fit the actor to the recipe's rule, which flies the learner's own rows.
 
     `VecNormalize` learns from these flights as from any others; the training's episodes are those that come next.
@@ -40,7 +44,7 @@ def imitate(learner: Learner, show: Callable[[str], object] = lambda _: None) ->
     )
 
 
-def _flown(learner: Learner, show: Callable[[str], object]) -> tuple[np.ndarray, np.ndarray, int]:
+def _flown(learner: Learner, show: Callable[[str], object] = _silent) -> tuple[np.ndarray, np.ndarray, int]:
     """What the actor sees and the rule does, float32, and how many encounters ended."""
     table, teacher = learner.recipe.imitation, learner.recipe.teacher
     venv, batch = learner.venv, learner.training_env.venv.batch
@@ -73,7 +77,9 @@ def _flown(learner: Learner, show: Callable[[str], object]) -> tuple[np.ndarray,
     return rows, np.concatenate(actions), episodes
 
 
-def _fit(learner: Learner, inputs: torch.Tensor, actions: torch.Tensor, show: Callable[[str], object]) -> float:
+def _fit(
+    learner: Learner, inputs: torch.Tensor, actions: torch.Tensor, show: Callable[[str], object] = _silent
+) -> float:
     """Least squares over minibatches, of discrete actions least cross-entropy.
 
     The rms error of the last epoch, of discrete actions the share that the actor would choose otherwise after it.

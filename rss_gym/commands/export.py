@@ -38,12 +38,11 @@ def run(options: argparse.Namespace) -> None:
 
     if os.path.isdir(options.source):
         if any(value is not None for value in (options.env, options.algorithm, options.set, options.statistics)):
-            raise ParamsError("--env, --algorithm, --set and --statistics are for a .zip; a run knows its own")
+            raise ParamsError("--env, --algorithm, --set and --statistics are for a .zip; a run knows its own world")
         difference = convert.export_run(options.source, options.out)
     else:
-        if not any(os.path.isfile(path) for path in (options.source, f"{options.source}.zip")):  # SB3 adds the ending
-            raise ParamsError(f"{options.source!r} is neither the folder of a run nor a file")
-        print(f"Reading {options.source} runs code from it.", file=sys.stderr, flush=True)
+        if any(os.path.isfile(path) for path in (options.source, f"{options.source}.zip")):  # SB3 adds the ending
+            print(f"Reading {options.source} runs code from it.", file=sys.stderr, flush=True)
         world = recipe.parse_changes(options.set or [])
         env = options.env or "rss_gym/Encounter-v0"
         difference = convert.export_model(

@@ -16,6 +16,7 @@ from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.policies import entry
 from rss_gym.eval.records import save
 from rss_gym.eval.suites import find
+from rss_gym.files import MARK, new_folder
 from rss_gym.params import ParamsError
 
 HERE = Path(__file__).parent
@@ -244,7 +245,10 @@ def test_a_killed_run_leaves_neither_scores_nor_workers(started, tmp_path):
     command.kill()
     command.communicate(timeout=PATIENCE_S)  # workers that live on would hold its output open
     wait_for(lambda: not any(map(runs, flying)))
-    assert left(tmp_path) == []
+    assert os.listdir(tmp_path / "new" / "run") == [MARK]
+    with new_folder(tmp_path / "new" / "run") as folder:  # the next run finds the place free
+        (folder / "scores.json").write_text("{}")
+    assert os.listdir(tmp_path / "new" / "run") == ["scores.json"]
 
 
 @linux
