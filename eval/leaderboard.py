@@ -1,34 +1,44 @@
-"""Merges records into one page of ranked tables: what it shows has been recomputed from the records' tables.
+"""Merges records into one page of ranked tables, each of them self-reported: what others say that they have flown.
 
-For each suite the official runs come first, one table a level of information. Other runs stand apart, and only those
-over the same encounters share a table, since the ranking compares policies encounter by encounter.
+Metrics are recomputed from the records' tables and a sample of encounters, drawn by chance, is flown again. A record in
+which anything differs is set aside and named, and the page is made of the others; what one record says never decides
+about another. A policy that cannot be flown again has no place, since its table is a claim. Only `rss-gym board` makes
+rows that nobody has reported himself.
+
+For each suite the runs of all its encounters come first, one table a level of information. Other runs stand apart, and
+only those over the same encounters share a table, since the ranking compares policies encounter by encounter.
 """
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import os
 import re
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
 from rss_gym import baselines
+from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
+from rss_gym.core import NotFiniteError
 from rss_gym.eval import ranking
+from rss_gym.eval.budget import refuse_costly
 from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.metrics import Estimate
+from rss_gym.eval.policies import innermost
 from rss_gym.eval.reading import Policy, Record, RecordError, load
 from rss_gym.eval.records import SCORES, TABLES
 from rss_gym.eval.report.tables import FIRST, barred, cell, difference, heading, main_metrics, place_cell, scrolled
 from rss_gym.eval.suites import SUITES
-from rss_gym.eval.verify import definition, entries_of, metrics_differences, official
-from rss_gym.files import new_folder
+from rss_gym.eval.verify import definition, differing, examine, official
+from rss_gym.files import check_new, new_folder
 from rss_gym.pages.page import Section, render, text
-from rss_gym.params import Information
+from rss_gym.params import Information, ParamsError
 
 PAGE, RECORDS = "index.html", "records"
 LEVELS = {
@@ -40,8 +50,22 @@ RANKING = (
     "Ranked by mean cost: mean deviation while flown, plus 100 m for an sNMAC and 10,000 m for a collision. Beside it "
     "stands by how much that is more than the first one's on the same encounters; where the 95 % interval of the pairs "
     "holds zero, the two are not told apart. * marks the front: no other policy has both fewer collisions and less "
-    "deviation. A policy with a fault (an action that is not finite) is not ranked and shown in red."
+    "deviation. A policy with a fault (an action that is not finite) is not ranked and shown in red; so is one that "
+    "could not be flown again, because its table is a claim."
 )
+CLAIM = "not ranked: it cannot be flown again here, so its table is a claim"
+ASIDE = "In these records something differs, or they cannot be read. Nothing of them is shown above."
+NOT_FLOWN = "not flown"
+
+
+class Encounters(NamedTuple):
+    """What was flown: rows of one table share it."""
+
+    suite: str
+    suite_hash: str
+    split: str
+    seed: int
+    episodes: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +73,8 @@ class BoardRow:
     """One policy of one record, without its table."""
 
     record: int  # place in the list of records, from 1
-    run: tuple[str, str, int, int]  # suite, split, seed, episodes: the encounters
-    official: bool
+    run: Encounters
+    whole: bool  # all encounters of a suite as it is defined
     name: str
     spec: str
     hash: str
@@ -58,7 +82,9 @@ class BoardRow:
     metrics: dict[str, Estimate]
     faults: int
     costs: Costs
-    min_separation_m: np.ndarray
+    rows: np.ndarray  # a digest of each whole row of the table
+    flown: str  # `all`, `sample` or `not flown`: how much of it was flown again
+    own_files: bool  # the record brings the policy's files
     shown: tuple[str, ...]  # metrics, that of the ranking first
 
     @property
@@ -69,10 +95,7 @@ class BoardRow:
     @property
     def shipped(self) -> bool:
         """Whether the specification alone says which policy it is."""
-        inner = self.spec
-        while baselines.is_known(inner) and (base := baselines.parse(inner).base):
-            inner = base
-        return baselines.is_known(inner)
+        return not self.own_files and baselines.is_known(innermost(self.spec))
 
     def candidate(self) -> ranking.Candidate:
         """What the ranking needs."""
@@ -90,54 +113,81 @@ class Source:
     suite_hash: str
     seed: int
     episodes: int
-    official: bool
+    whole: bool
     versions: dict[str, str]
 
 
 @dataclass(frozen=True)
 class Site:
-    """What `build` made, and what a reader of the page should know about the merge."""
+    """What `build` made, what a reader should know about the merge, and the records set aside, each with why."""
 
     page: Path
     notes: tuple[str, ...]
+    quarantined: tuple[str, ...] = ()
 
 
-def build(folders: Sequence[str | os.PathLike[str]], out: str | os.PathLike[str]) -> Site:
+def build(folders: Sequence[str | os.PathLike[str]], out: str | os.PathLike[str], seed: int | None = None) -> Site:
     """Write the new folder `out` with `index.html` and a copy of each record shown.
+
+    Parameters
+    ----------
+    folders : sequence of path
+        Records. One that is not intact, whose metrics are not those of its tables, whose sample of encounters flies
+        otherwise, or that is too costly to fly is set aside and named on the page.
+    out : path
+    seed : int, optional
+        Draws the samples; default: by chance.
 
     Raises
     ------
     RecordError
-        If a folder does not hold an intact record, its metrics are not those of its tables, its suite is not defined
-        today as it was, or two records contradict each other.
+        If no record is left.
     ParamsError
         If `out` exists or cannot be written.
     """
-    sources: list[Source] = []
+    out = check_new(out)
+    sources: dict[int, Source] = {}
     rows: list[BoardRow] = []
+    quarantined: list[str] = []
     for number, folder in enumerate(folders, 1):
-        record = load(folder)
-        _check(record)
-        sources.append(_source(record, number))
-        rows += [_row(record, policy, number) for policy in record.policies]
-    for suite in {source.suite for source in sources}:
-        hashes = {source.suite_hash: source.folder for source in sources if source.suite == suite}
-        if len(hashes) > 1:
-            (one, first), (other, second), *_ = hashes.items()
-            raise RecordError(
-                f"{second}: suite_hash of {suite!r} is {other[:12]}..., but {one[:12]}... in {first}: scores of two "
-                "definitions are not comparable; make a page of each"
-            )
-    kept, notes = merge(rows, sources)
+        try:
+            record = load(folder)
+            status = _checked(record, seed)
+        except (ParamsError, NotFiniteError) as error:
+            quarantined.append(str(error) if str(folder) in str(error) else f"{folder}: {error}")
+            continue
+        sources[number] = _source(record, number)
+        rows += [_row(record, policy, number, status[policy.name]) for policy in record.policies]
+    for number, why in contradictions(rows, sources).items():
+        quarantined.append(why)
+        rows = [row for row in rows if row.record != number]
+    if not rows:
+        raise RecordError("; ".join(quarantined) or "a leaderboard needs at least one record")
+    kept, notes = merge(rows)
     with new_folder(out) as site:
         for number in sorted({row.record for row in kept}):
-            source = sources[number - 1]
+            source = sources[number]
             for file in source.files:
                 target = site / source.copy / file
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(source.folder / file, target)
-        (site / PAGE).write_text(markup(kept, sources, notes), encoding="utf-8")
-    return Site(Path(out) / PAGE, tuple(notes))
+        (site / PAGE).write_text(markup(kept, sources, notes, quarantined), encoding="utf-8")
+    return Site(out / PAGE, tuple(notes), tuple(quarantined))
+
+
+def _checked(record: Record, seed: int | None) -> dict[str, str]:
+    """How much of each policy was flown again; refuses a record in which anything differs.
+
+    Raises
+    ------
+    RecordError, NotFiniteError
+    """
+    _check(record)
+    refuse_costly(record.params, [policy.spec for policy in record.policies])
+    verdict = examine(record, seed=seed, progress=False)
+    if verdict.differences:
+        raise RecordError(f"{record.folder}: {verdict.differences[0]}; `rss-gym verify` lists all differences")
+    return verdict.status
 
 
 def _check(record: Record) -> None:
@@ -158,10 +208,6 @@ def _check(record: Record) -> None:
             f"{record.folder}: official = {record.official} must be {official(record)} for seed {record.seed} and "
             f"{record.episodes} encounters of {record.suite!r} with these parameters"
         )
-    _, _, claims = entries_of(record, suite)
-    differences = claims + metrics_differences(record, suite)
-    if differences:
-        raise RecordError(f"{record.folder}: {differences[0]}; `rss-gym verify` lists all differences")
 
 
 def _source(record: Record, number: int) -> Source:
@@ -169,21 +215,25 @@ def _source(record: Record, number: int) -> Source:
     return Source(
         folder=record.folder,
         copy=f"{RECORDS}/{number}-{name}",
-        files=(SCORES, *(policy.file for policy in record.policies)),
+        files=(
+            SCORES,
+            *(policy.file for policy in record.policies),
+            *(f"{p.folder}/{name}" for p in record.policies if p.folder for name in (DOCUMENT, WEIGHTS)),
+        ),
         suite=record.suite,
         suite_hash=record.suite_hash,
         seed=record.seed,
         episodes=record.episodes,
-        official=record.official,
+        whole=record.official,
         versions=record.versions,
     )
 
 
-def _row(record: Record, policy: Policy, number: int) -> BoardRow:
+def _row(record: Record, policy: Policy, number: int, flown: str) -> BoardRow:
     return BoardRow(
         record=number,
-        run=(record.suite, record.split, record.seed, record.episodes),
-        official=record.official,
+        run=Encounters(record.suite, record.suite_hash, record.split, record.seed, record.episodes),
+        whole=record.official,
         name=policy.name,
         spec=policy.spec,
         hash=policy.hash,
@@ -191,41 +241,55 @@ def _row(record: Record, policy: Policy, number: int) -> BoardRow:
         metrics=policy.metrics,
         faults=int(np.count_nonzero(policy.table["fault"])),
         costs=Costs.of(policy.table, Prices.of(record.params)),
-        min_separation_m=policy.table["min_separation_m"].copy(),
+        rows=_row_digests(policy.table),
+        flown=flown,
+        own_files=policy.folder is not None,
         shown=main_metrics(record.params),
     )
 
 
-def merge(rows: Iterable[BoardRow], sources: Sequence[Source]) -> tuple[list[BoardRow], list[str]]:
-    """Each policy once a suite, from its official or else longest run; and what was left out or looks odd.
+def _row_digests(table: np.ndarray) -> np.ndarray:
+    """Sixteen bytes for each whole row. Shape (n, 16)."""
+    rows = np.ascontiguousarray(table).view(np.uint8).reshape(len(table), table.dtype.itemsize)
+    digests = b"".join(hashlib.blake2b(row.data, digest_size=16).digest() for row in rows)
+    return np.frombuffer(digests, np.uint8).reshape(len(table), 16)
 
-    Two rows are one policy if their hashes agree and, on common encounters, their flights do. A hash covers the
-    specification, not the code behind `module:attribute`: such policies may differ, those of the package may not.
 
-    Raises
-    ------
-    RecordError
-        If two records have other flights of a policy of the package on the same encounters.
+def contradictions(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> dict[int, str]:
+    """Records that are wrong where two of them have other flights of one policy: the flight itself decides."""
+    wrong: dict[int, str] = {}
+    groups: dict[tuple[str, str, str, int], list[BoardRow]] = {}
+    for row in rows:
+        if row.flown != NOT_FLOWN:
+            groups.setdefault((row.hash, row.run.suite_hash, row.run.split, row.run.seed), []).append(row)
+    for members in groups.values():
+        for one, other in itertools.combinations(members, 2):
+            place = _differing(one, other)
+            if place is None:
+                continue
+            for row in (one, other):
+                if row.record in wrong:
+                    continue
+                record = load(sources[row.record].folder)
+                found = differing(record, definition(record), row.name, [place])
+                if found:
+                    wrong[row.record] = f"{record.folder}: {found[0]}; `rss-gym verify` lists all differences"
+    return wrong
+
+
+def merge(rows: Iterable[BoardRow]) -> tuple[list[BoardRow], list[str]]:
+    """A policy of the package once a suite, from its longest run; and what was left out or may be one policy.
+
+    Of what a record brings itself, every row is listed: nobody's record takes the place of another's.
     """
     kept: list[BoardRow] = []
     notes: list[str] = []
-    for row in sorted(rows, key=lambda row: (not row.official, -row.run[-1], row.record)):
-        same = [one for one in kept if (one.run[0], one.hash) == (row.run[0], row.hash)]
-        twin = None
-        for one in same:
-            overlap = _differing(one, row)
-            if overlap is not None and overlap >= 0 and row.shipped:
-                folders = f"{sources[row.record - 1].folder} and {sources[one.record - 1].folder}"
-                raise RecordError(
-                    f"{folders} have other flights of policy {row.spec!r} in episode {overlap} of seed {row.run[2]}; "
-                    "`rss-gym verify` says which is right"
-                )
-            if overlap == -1 or (overlap is None and row.shipped):
-                twin = one
-                break
+    for row in sorted(rows, key=lambda row: (not row.whole, -row.run.episodes, row.record)):
+        same = [one for one in kept if (one.run[:2], one.hash) == (row.run[:2], row.hash)]
+        twin = next((one for one in same if one.shipped and row.shipped), None)
         if twin is None:
             if same:
-                notes.append(f"{row.key} and {same[0].key} have one hash and may be one policy or two; both are listed")
+                notes.append(f"{row.key} and {same[0].key} have one hash and may be one policy; both are listed")
             kept.append(row)
         elif twin.run != row.run or row.record != twin.record:
             notes.append(f"{row.key} is left out: {twin.key} is the same policy{_why(twin, row)}")
@@ -233,64 +297,63 @@ def merge(rows: Iterable[BoardRow], sources: Sequence[Source]) -> tuple[list[Boa
 
 
 def _differing(one: BoardRow, other: BoardRow) -> int | None:
-    """The first common encounter whose flights differ, -1 if they are the same, None without a common encounter."""
-    if one.run[1:3] != other.run[1:3]:
-        return None
-    n = min(len(one.costs), len(other.costs))
-    unlike = one.min_separation_m[:n] != other.min_separation_m[:n]
-    unlike |= one.costs.cost_m[:n] != other.costs.cost_m[:n]
-    return int(np.argmax(unlike)) if unlike.any() else -1
+    """The first common encounter of which any column differs."""
+    n = min(len(one.rows), len(other.rows))
+    unlike = (one.rows[:n] != other.rows[:n]).any(axis=1)
+    return int(np.argmax(unlike)) if unlike.any() else None
 
 
 def _why(twin: BoardRow, row: BoardRow) -> str:
-    if twin.official and not row.official:
-        return ", in an official run"
-    if twin.run[-1] > row.run[-1]:
-        return f", on {twin.run[-1]} encounters instead of {row.run[-1]}"
+    if twin.whole and not row.whole:
+        return ", on all encounters of the suite"
+    if twin.run.episodes > row.run.episodes:
+        return f", on {twin.run.episodes} encounters instead of {row.run.episodes}"
     return " on as many encounters"
 
 
-def markup(rows: Sequence[BoardRow], sources: Sequence[Source], notes: Sequence[str]) -> str:
+def markup(
+    rows: Sequence[BoardRow], sources: Mapping[int, Source], notes: Sequence[str], quarantined: Sequence[str] = ()
+) -> str:
     """The page."""
-    flown = {row.run[0] for row in rows}
+    flown = {row.run.suite for row in rows}
     suites = [*(name for name in SUITES if name in flown), *sorted(flown - set(SUITES))]
     sections = []
     for name in suites:
-        members = [row for row in rows if row.run[0] == name]
+        members = [row for row in rows if row.run.suite == name]
         sections.append(Section(f"Suite {name}", _suite(members, sources)))
     shown = sorted({row.record for row in rows})
-    records = _records([(number, sources[number - 1]) for number in shown])
+    records = _records([(number, sources[number]) for number in shown])
     if notes:
         records += '<ul class="note">\n' + "".join(f"<li>{text(note)}</li>\n" for note in notes) + "</ul>"
     sections.append(Section("Records", records))
+    if quarantined:
+        listed = "".join(f"<li>{text(why)}</li>\n" for why in quarantined)
+        sections.append(Section("Set aside", f'<p class="text">{ASIDE}</p>\n<ul class="note">\n{listed}</ul>'))
     lead = (
-        f'<p class="lead">{len(rows)} policies of {len(shown)} records. Every score was recomputed from the record\'s '
-        "episode table when this page was made; <code>rss-gym verify</code> flies the episodes again.</p>\n"
-        f'<p class="note">{RANKING}</p>'
+        f'<p class="lead">{len(rows)} policies of {len(shown)} records, self-reported. Every score was recomputed from '
+        "the record's episode table when this page was made, and a sample of its encounters, drawn by chance, was "
+        "flown again; <code>rss-gym verify --all</code> flies all of them. A small change outside the sample would not "
+        f'have been seen.</p>\n<p class="note">{RANKING}</p>'
     )
-    return render("Leaderboard", lead, sections)
+    return render("Leaderboard of self-reported records", lead, sections)
 
 
-def _suite(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
+def _suite(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> str:
     parts = []
-    official_rows = [row for row in rows if row.official]
-    others = sorted((row for row in rows if not row.official), key=lambda row: (-row.run[3], row.run[1:3]))
-    if official_rows:
-        parts.append(f"<h3>Official runs: {_encounters(official_rows[0])}</h3>\n" + _levels(official_rows, sources))
-    else:
-        parts.append('<p class="text">No official run.</p>\n')
-    for _, group in itertools.groupby(others, key=lambda row: row.run):
-        members = list(group)
-        parts.append(f"<h3>Other runs: {_encounters(members[0])}</h3>\n" + _levels(members, sources))
+    for whole, title in ((True, "All encounters of the suite"), (False, "Other runs")):
+        members = sorted((row for row in rows if row.whole is whole), key=lambda row: (-row.run.episodes, row.run))
+        for run, group in itertools.groupby(members, key=lambda row: row.run):
+            parts.append(f"<h3>{title}: {_encounters(run)}</h3>\n" + _levels(list(group), sources))
     return "".join(parts)
 
 
-def _encounters(row: BoardRow) -> str:
-    _, split, seed, episodes = row.run
-    return f"{episodes:,} encounters of split {text(split)}, seed {seed}"
+def _encounters(run: Encounters) -> str:
+    known = run.suite in SUITES and SUITES[run.suite].hash == run.suite_hash
+    other = "" if known else f", definition {text(run.suite_hash[:12])}, which is not the suite's"
+    return f"{run.episodes:,} encounters of split {text(run.split)}, seed {run.seed}{other}"
 
 
-def _levels(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
+def _levels(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> str:
     parts = []
     for level in get_args(Information):
         members = [row for row in rows if row.information == level]
@@ -300,19 +363,23 @@ def _levels(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
     return "".join(parts)
 
 
-def _table(rows: Sequence[BoardRow], sources: Sequence[Source]) -> str:
+def _table(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> str:
     by_key, shown = {row.key: row for row in rows}, rows[0].shown
     alphabet = {key: index for index, key in enumerate(sorted(by_key))}
-    places = ranking.rank(row.candidate() for row in rows)
+    places = ranking.rank(row.candidate() for row in rows if row.flown != NOT_FLOWN)
+    claims = sorted((row for row in rows if row.flown == NOT_FLOWN), key=lambda row: row.key)
+    places += [ranking.Place(row.key, None, None, False, row.faults) for row in claims]
     lines = ""
     for place in places:
         row = by_key[place.name]
-        link = f'<a href="{text(sources[row.record - 1].copy)}/{SCORES}">record {row.record}</a>'
-        why = f'; <strong class="fault">{text(place.why_not)}</strong>' if place.why_not else ""
+        link = f'<a href="{text(sources[row.record].copy)}/{SCORES}">record {row.record}</a>'
+        reasons = [place.why_not] * bool(row.faults) + [CLAIM] * (row.flown == NOT_FLOWN)
+        small = f"{text(row.spec)}; {link}" if row.spec != row.name else link
+        small += "".join(f'; <strong class="fault">{text(why)}</strong>' for why in reasons)
         lines += (
             f"<tr{barred(place)}>{place_cell(place)}"
-            f'<th scope="row" class="words" data-value="{alphabet[row.key]}">{text(row.name)}<span class="unit">{link}'
-            f"{why}</span></th>{cell(row.metrics.get(shown[0]))}{difference(place)}"
+            f'<th scope="row" class="words" data-value="{alphabet[row.key]}">{text(row.name)}<span class="unit">'
+            f"{small}</span></th>{cell(row.metrics.get(shown[0]))}{difference(place)}"
             + "".join(cell(row.metrics.get(name)) for name in shown[1:])
             + "</tr>\n"
         )
@@ -336,12 +403,12 @@ def _records(shown: Sequence[tuple[int, Source]]) -> str:
         lines += (
             f'<tr><td>{number}</td><td class="words">{text(source.suite)}<span class="unit">'
             f"{text(source.suite_hash[:12])}</span></td><td>{source.seed}</td><td>{source.episodes:,}</td>"
-            f'<td class="words">{"yes" if source.official else "no"}</td><td class="words">{text(versions)}</td>'
+            f'<td class="words">{"yes" if source.whole else "no"}</td><td class="words">{text(versions)}</td>'
             f'<td class="words">{files}</td></tr>\n'
         )
     numbers = ("record", "seed", "encounters")
     headings = "".join(
         f'<th scope="col">{name}</th>' if name in numbers else f'<th scope="col" class="words">{name}</th>'
-        for name in ("record", "suite", "seed", "encounters", "official", "versions", "files")
+        for name in ("record", "suite", "seed", "encounters", "whole suite", "versions", "files")
     )
     return scrolled(f'<table class="policies"><thead><tr>{headings}</tr></thead>\n<tbody>\n{lines}</tbody></table>')

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rss_gym import baselines
+from rss_gym.baselines import policy_files
 from rss_gym.baselines.agent import Agent
 from rss_gym.baselines.policy import Scripted
 from rss_gym.domain import domain_of
@@ -76,6 +77,38 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
             raise ParamsError(f"policy {spec!r} needs information {needed!r}, but the suite gives {given!r}")
         params = flown
     return Entry(name or spec, spec, policy, params)
+
+
+def innermost(spec: str) -> str:
+    """The policy inside all filters `cbf+`, the whole specification if there is none.
+
+    Raises
+    ------
+    ParamsError
+        As `rss_gym.baselines.parse`.
+    """
+    while baselines.is_known(spec) and (base := baselines.parse(spec).base):
+        spec = base
+    return spec
+
+
+def files(item: Entry) -> tuple[bytes, bytes] | None:
+    """The two files of a learned policy that was given by its folder, alone or inside `cbf+`.
+
+    None for any other policy, and where the files are not those any more that the policy was made of.
+    """
+    if not isinstance(item.policy, (Agent, Scripted)):
+        return None
+    folder, policy = baselines.folder_of(innermost(item.spec)), item.policy
+    while isinstance(policy, Scripted) and hasattr(policy, "base"):
+        policy = policy.base
+    if folder is None or not isinstance(policy, Agent):
+        return None
+    try:
+        found = policy_files.read(Path(folder))
+    except ParamsError:
+        return None
+    return found if hashlib.sha256(b"".join(found)).hexdigest() == policy.digest else None
 
 
 def folder_name(spec: str) -> str:

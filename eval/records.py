@@ -1,4 +1,8 @@
-"""Writes a run: `scores.json`, and one episode table a policy, `.npz` without objects and on request `.csv`."""
+"""Writes a run: `scores.json`, one episode table a policy, and the files of learned policies.
+
+A table is an `.npz` without objects and on request a `.csv`; a learned policy that was given by its folder travels in
+the record, so that whoever verifies it needs no path of another machine.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +20,13 @@ from typing import Any
 
 import numpy as np
 
+from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
 from rss_gym.eval.evaluate import Result, Scored
+from rss_gym.eval.policies import Entry, files
 from rss_gym.files import new_folder
 
-SCORES, TABLES = "scores.json", "tables"
-SCHEMA = 2  # raised when fields of scores.json or columns of the tables change
+SCORES, TABLES, POLICIES = "scores.json", "tables", "policies"
+SCHEMA = 3  # raised when fields of scores.json or columns of the tables change
 
 
 def versions(*more: str) -> dict[str, str]:
@@ -46,7 +52,8 @@ def save(
         policies = []
         for index, scored in enumerate(result.policies):
             stem = f"{index:02d}-{re.sub('[^A-Za-z0-9.=_-]+', '-', scored.entry.name)[:80]}"
-            policies.append(_policy(scored, write_table(folder / TABLES, stem, scored.table, with_csv)))
+            written = write_table(folder / TABLES, stem, scored.table, with_csv)
+            policies.append(_policy(scored, {"folder": write_policy(folder, stem, scored.entry), **written}))
         _write_json(folder / SCORES, document(result, policies))
         if page is not None:
             page(result, folder)
@@ -72,7 +79,7 @@ def document(result: Result, policies: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _policy(scored: Scored, written: dict[str, str]) -> dict[str, Any]:
+def _policy(scored: Scored, written: dict[str, Any]) -> dict[str, Any]:
     return {
         "name": scored.entry.name,
         "spec": scored.entry.spec,
@@ -81,6 +88,18 @@ def _policy(scored: Scored, written: dict[str, str]) -> dict[str, Any]:
         "metrics": {name: dataclasses.asdict(estimate) for name, estimate in scored.metrics.items()},
         **written,
     }
+
+
+def write_policy(folder: Path, stem: str, item: Entry) -> str | None:
+    """Copy the files of a policy that a folder was given for; returns their folder below `folder`, None without."""
+    content = files(item)
+    if content is None:
+        return None
+    target = folder / POLICIES / stem
+    target.mkdir(parents=True)
+    for name, data in zip((DOCUMENT, WEIGHTS), content, strict=True):
+        (target / name).write_bytes(data)
+    return f"{POLICIES}/{stem}"
 
 
 def write_table(folder: Path, stem: str, table: np.ndarray, with_csv: bool) -> dict[str, str]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import os
+import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from rss_gym.baselines.agent import Agent
 from rss_gym.eval.episodes import Block, PolicyError, WorkerError, described
 from rss_gym.eval.evaluate import BLOCK, score
 from rss_gym.eval.metrics import METRICS
-from rss_gym.eval.policies import Entry, entry
+from rss_gym.eval.policies import Entry, entry, innermost
 from rss_gym.eval.reading import Policy, Record, load
 from rss_gym.eval.records import versions
 from rss_gym.eval.suites import SUITES, Suite, find
@@ -29,6 +30,7 @@ SHARE = 0.01  # of the episodes that is flown again
 EPISODES_MIN = 10
 LISTED_MAX = 1000  # differences of flights that are kept
 SHOWN_MAX = 20  # of them printed
+OUTCOMES = {"verified": 0, "differs": 1, "incomplete": 3}  # and the exit status of `rss-gym verify`; 2 is bad input
 FIELDS = ("value", "low", "high", "n", "unit")
 
 
@@ -76,6 +78,8 @@ class Verdict:
         Policy -> number of its episodes flown again.
     not_flown : dict
         Policy -> why it was not.
+    seed : int
+        Of the sample of episodes flown again; with it the same sample is drawn.
     differences : list of Difference
     versions : dict
         Package -> recorded and present version, where they differ.
@@ -84,6 +88,7 @@ class Verdict:
     folder: str
     suite: str
     episodes: int
+    seed: int = 0
     metrics: int = 0
     flown: dict[str, int] = field(default_factory=dict)
     not_flown: dict[str, str] = field(default_factory=dict)
@@ -91,20 +96,31 @@ class Verdict:
     versions: dict[str, list[str]] = field(default_factory=dict)
 
     @property
+    def outcome(self) -> str:
+        """One of `OUTCOMES`: `incomplete` where nothing differs but a policy was not flown again."""
+        return "differs" if self.differences else "incomplete" if self.not_flown else "verified"
+
+    @property
     def verified(self) -> bool:
-        """Whether nothing differs."""
-        return not self.differences
+        """Whether nothing differs and every policy was flown again, at least in a sample."""
+        return self.outcome == "verified"
+
+    @property
+    def status(self) -> dict[str, str]:
+        """Policy -> `all` or `sample` of its episodes flown again, or `not flown`."""
+        flown = {name: "all" if count == self.episodes else "sample" for name, count in self.flown.items()}
+        return flown | dict.fromkeys(self.not_flown, "not flown")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain JSON types."""
-        return {"verified": self.verified, **dataclasses.asdict(self)}
+        return {"verified": self.verified, "outcome": self.outcome, "status": self.status, **dataclasses.asdict(self)}
 
 
 def verify(
     folder: str | os.PathLike[str],
     every: bool = False,
     trust: bool = False,
-    seed: int = 0,
+    seed: int | None = None,
     workers: int = 1,
     progress: bool | None = None,
 ) -> Verdict:
@@ -119,7 +135,7 @@ def verify(
     trust : bool
         Also build policies given as `module:attribute`, which runs code of that module.
     seed : int
-        Draws another sample. The sample of seed 0 can be foreseen by who wrote the record.
+        Draws the sample; default: by chance, so that nobody who writes a record can foresee it.
     workers : int
         Processes.
     progress : bool, optional
@@ -132,8 +148,20 @@ def verify(
     NotFiniteError
         When a state of the world is not finite while episodes are flown again: that is no verdict on the record.
     """
-    record = load(folder)
-    verdict = Verdict(str(folder), record.suite, record.episodes)
+    return examine(load(folder), every, trust, seed, workers, progress)
+
+
+def examine(
+    record: Record,
+    every: bool = False,
+    trust: bool = False,
+    seed: int | None = None,
+    workers: int = 1,
+    progress: bool | None = None,
+) -> Verdict:
+    """`verify` of a record that has been read."""
+    seed = secrets.randbelow(2**32) if seed is None else seed
+    verdict = Verdict(str(record.folder), record.suite, record.episodes, seed)
     present = versions()
     verdict.versions = {
         name: [text, present[name]] for name, text in record.versions.items() if present.get(name, text) != text
@@ -212,7 +240,7 @@ def entries_of(
     found: list[Difference] = []
     for policy in record.policies:
         try:
-            built = _built(policy, suite, trust)
+            built = _built(record.folder, policy, suite, trust)
         except ParamsError as error:
             missing[policy.name] = str(error)
             continue
@@ -228,11 +256,21 @@ def entries_of(
     return entries, missing, found
 
 
-def _built(policy: Policy, suite: Suite, trust: bool) -> Entry:
-    if baselines.is_code(policy.spec) and not trust:
-        raise ParamsError(f"{policy.spec!r} is code, which runs only when trusted (--trust)")
+def _built(folder: Path, policy: Policy, suite: Suite, trust: bool) -> Entry:
+    """The policy by its name or from the files in the record; no path that the record names is ever opened."""
+    inner = innermost(policy.spec)
+    spec = policy.spec
+    if policy.folder is not None and baselines.is_known(inner):
+        raise ParamsError(f"{inner!r} is a policy of the package, and the record brings files under that name")
+    if policy.folder is not None:
+        spec = policy.spec.removesuffix(inner) + str((folder / policy.folder).absolute())
+    elif not baselines.is_known(inner):
+        if ":" not in inner or inner.endswith(baselines.PICKLED):
+            raise ParamsError(f"{inner!r} is no policy of the package, and its files are not in the record")
+        if not trust:
+            raise ParamsError(f"{inner!r} is code, which runs only when trusted (--trust)")
     try:
-        return entry(policy.spec, suite.params, policy.name)
+        return entry(spec, suite.params, policy.name)
     except ParamsError:
         raise
     except (Exception, SystemExit) as error:  # from the code that makes the policy
@@ -240,14 +278,22 @@ def _built(policy: Policy, suite: Suite, trust: bool) -> Entry:
 
 
 def sample(record: Record, every: bool = False, seed: int = 0) -> Sequence[int]:
-    """Numbers of the episodes to fly again: all, or 1 % but at least 10, drawn by the tables' digests and a seed."""
+    """Numbers of the episodes to fly again: all, or 1 % but at least 10, drawn by a seed."""
     count = min(record.episodes, max(EPISODES_MIN, round(SHARE * record.episodes)))
     numbers = range(record.first_episode, record.first_episode + record.episodes)
     if every or count == record.episodes:
         return numbers
-    digests = ",".join([str(seed), *(policy.table_sha256 for policy in record.policies)])
-    generator = np.random.default_rng(int(hashlib.sha256(digests.encode()).hexdigest(), 16))
+    generator = np.random.default_rng(seed)
     return [numbers[place] for place in sorted(generator.choice(record.episodes, count, replace=False).tolist())]
+
+
+def differing(record: Record, suite: Suite, name: str, numbers: Sequence[int]) -> list[Difference]:
+    """What differs where these encounters of one policy are flown again; empty too where it cannot be made."""
+    entries, _, _ = entries_of(record, suite)
+    chosen = [item for item in entries if item.name in (NOMINAL, name)]
+    verdict = Verdict(str(record.folder), record.suite, record.episodes)
+    _fly_again(record, suite, chosen, numbers, 1, verdict, lambda count: None)
+    return [one for one in verdict.differences if one.policy == name]
 
 
 def _fly_again(
@@ -310,7 +356,7 @@ def report(verdict: Verdict) -> str:
     ]
     for count in sorted(set(verdict.flown.values())):
         names = ", ".join(name for name, flown in verdict.flown.items() if flown == count)
-        lines.append(f"flown again: {count} encounters of each of {names}")
+        lines.append(f"flown again: {count} encounters of each of {names} (--seed {verdict.seed})")
     lines += [f"NOT flown again: {name}: {reason}" for name, reason in verdict.not_flown.items()]
     lines += [f"differs: {difference}" for difference in verdict.differences[:SHOWN_MAX]]
     if len(verdict.differences) > SHOWN_MAX:
@@ -319,8 +365,9 @@ def report(verdict: Verdict) -> str:
         changed = ", ".join(f"{name} {was} (now {now})" for name, (was, now) in verdict.versions.items())
         lines.append(f"recorded with {changed}")
     if verdict.verified:
-        whole = "" if not verdict.not_flown else " as far as it could be flown again"
-        lines.append(f"verified{whole}: nothing differs")
+        lines.append("verified: nothing differs")
+    elif not verdict.differences:
+        lines.append("INCOMPLETE: nothing differs, but not every policy could be flown again, so its table is a claim")
     else:
         count = len(verdict.differences)
         lines.append(f"NOT verified: {count} value{'s' * (count > 1)} differ{'s' * (count == 1)}")

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from rss_gym.baselines.policy_files import DOCUMENT, DOCUMENT_LIMIT, WEIGHTS, WEIGHTS_LIMIT
 from rss_gym.domain import domain_of
 from rss_gym.eval.metrics import Estimate
-from rss_gym.eval.reading.plain import RecordError, checked, parse, read_file, shown
+from rss_gym.eval.reading.plain import RecordError, checked, opened, parse, read_file, shown
 from rss_gym.eval.reading.schema import POLICY, RECORD, metrics_of, params_of
 from rss_gym.eval.reading.table_file import check_rows, read_table
-from rss_gym.eval.records import SCORES, TABLES, table_digest
+from rss_gym.eval.records import POLICIES, SCORES, TABLES, table_digest
 from rss_gym.eval.table import TABLES as COLUMNS
 from rss_gym.eval.workers import NOMINAL
 from rss_gym.params import Params
@@ -36,6 +37,7 @@ class Policy:
     file: str  # of the table, below the record's folder
     table_sha256: str
     table: np.ndarray
+    folder: str | None  # of the policy's own files, below the record's folder
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,9 @@ def load(folder: str | os.PathLike[str]) -> Record:
         where = f"policies[{index}]"
         values = checked(str(file), where, item, POLICY)
         metrics = metrics_of(str(file), f"{where}.metrics", values["metrics"], domain.name)
-        for field, other in (("name", {p.name for p in policies}), ("table", {p.file for p in policies})):
+        taken = {"name": {p.name for p in policies}, "table": {p.file for p in policies}}
+        taken["folder"] = {p.folder for p in policies if p.folder}
+        for field, other in taken.items():
             if values[field] in other:
                 raise RecordError(f"{file}: {where}.{field} = {values[field]!r} is given twice; it must be unique")
         if values["name"] == NOMINAL != values["spec"]:
@@ -105,7 +109,9 @@ def load(folder: str | os.PathLike[str]) -> Record:
                 f"{file}: {where}.table_sha256 = {values['table_sha256']!r} must be {table_digest(table)!r}, the "
                 f"digest of {values['table']}: table or record was changed"
             )
-        names = {key: values[key] for key in ("name", "spec", "hash", "information", "table_sha256")}
+        if values["folder"] is not None:
+            _check_folder(root, values["folder"])
+        names = {key: values[key] for key in ("name", "spec", "hash", "information", "table_sha256", "folder")}
         policies.append(Policy(**names, metrics=metrics, file=values["table"], table=table))
     record = Record(
         folder=root,
@@ -116,6 +122,15 @@ def load(folder: str | os.PathLike[str]) -> Record:
     )
     _check_policies(str(file), record)
     return record
+
+
+def _check_folder(root: Path, folder: str) -> None:
+    """Refuse a policy's folder that is a link, or whose two files are not plain files of the right size."""
+    for place in (root / POLICIES, root / folder):
+        if place.is_symlink():
+            raise RecordError(f"{place} is a symbolic link; a record holds plain files and folders")
+    for name, limit in ((DOCUMENT, DOCUMENT_LIMIT), (WEIGHTS, WEIGHTS_LIMIT)):
+        opened(root / folder / name, limit).close()
 
 
 def _check_policies(file: str, record: Record) -> None:

@@ -12,7 +12,7 @@ from rss_gym.eval.evaluate import NAME_MAX, is_name
 from rss_gym.eval.metrics import METRICS, Estimate, defined_in
 from rss_gym.eval.reading.plain import Checks, RecordError, checked, refuse_unknown, shown
 from rss_gym.eval.reading.table_file import EPISODES_MAX
-from rss_gym.eval.records import SCHEMA, TABLES
+from rss_gym.eval.records import POLICIES, SCHEMA, TABLES
 from rss_gym.highway.params import RoadParams
 from rss_gym.params import Information, Params, ParamsError
 
@@ -38,6 +38,7 @@ _NAME = (is_name, f"1 to {NAME_MAX} printable characters")
 _TEXT = (_is_text, f"at most {SPEC_MAX} printable characters")
 _LIMIT = (_is_limit, "a finite number or null")
 _TABLE_FILE = re.compile(TABLES + r"/[0-9]{2,4}-[A-Za-z0-9.=_-]{0,80}\.npz")
+_FOLDER = re.compile(POLICIES + r"/[0-9]{2,4}-[A-Za-z0-9.=_-]{0,80}")
 
 RECORD: Checks = {
     "schema": (lambda value: type(value) is int and value == SCHEMA, f"{SCHEMA}, which this version reads"),
@@ -75,6 +76,10 @@ POLICY: Checks = {
         f"a file such as {TABLES}/00-none.npz",
     ),
     "table_sha256": _HEX,
+    "folder": (
+        lambda value: value is None or (isinstance(value, str) and _FOLDER.fullmatch(value) is not None),
+        f"null, or a folder such as {POLICIES}/01-mine",
+    ),
 }
 ESTIMATE: Checks = {
     "value": _LIMIT,

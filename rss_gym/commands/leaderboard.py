@@ -22,4 +22,6 @@ def run(options: argparse.Namespace) -> None:
     site = leaderboard.build(options.folders, options.out)
     for note in site.notes:
         print(note)
+    for why in site.quarantined:
+        print(f"set aside: {why}")
     print(f"leaderboard: {site.page}")

@@ -7,21 +7,21 @@ import json
 
 from rss_gym.commands.shared import add_workers, see_modules_here
 
-HELP = "recompute a record's metrics and fly some of its episodes again"
+HELP = "recompute a record's metrics and fly some of its episodes again (exit 1: it differs, 3: incomplete)"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("folder", metavar="DIR", help="folder with scores.json")
     parser.add_argument("--all", action="store_true", dest="every", help="fly all episodes again, not 1 %% of them")
-    parser.add_argument("--seed", type=int, default=0, help="draws another sample of episodes (default: 0)")
+    parser.add_argument("--seed", type=int, help="draws that sample of episodes again (default: a new one each time)")
     parser.add_argument("--trust", action="store_true", help="run the code of policies given as module:attribute too")
     add_workers(parser)
     parser.add_argument("--json", action="store_true", help="print the verdict as JSON")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the verdict; 0 if the record is verified, 1 if not, 3 if it could not be checked."""
+    """Print the verdict; 0: verified, 1: something differs, 3: not checked, or a policy was not flown again."""
     from rss_gym.eval import verify
     from rss_gym.eval.episodes import WorkerError
     from rss_gym.terminal import say
@@ -36,4 +36,4 @@ def run(options: argparse.Namespace) -> int:
         say(f"the record could not be checked, which says nothing about it: {error}")
         return 3
     print(json.dumps(verdict.to_dict(), indent=1) if options.json else verify.report(verdict))
-    return 0 if verdict.verified else 1
+    return verify.OUTCOMES[verdict.outcome]

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rss_gym import domain
+from rss_gym import baselines, domain
 from rss_gym.cli import main
 from rss_gym.eval import evaluate, records
 from rss_gym.eval.evaluate import score
 from rss_gym.eval.metrics import defined_in
 from rss_gym.eval.policies import Entry
-from rss_gym.eval.reading import load
+from rss_gym.eval.reading import RecordError, load
 from rss_gym.eval.records import save, table_digest, write_table
 from rss_gym.eval.suites import Suite
 from rss_gym.eval.verify import definition, report, sample, verify
@@ -35,6 +35,16 @@ N = 60
 def sound(tmp_path_factory):
     policies = {"none": "none", "orthogonal": "orthogonal", "mine": "flyers:Flyer", "object": flyers.Flyer()}
     return save(evaluate(policies, episodes=N, progress=False), tmp_path_factory.mktemp("sound") / "run")
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """Policies of the package, and a learned one by its folder, alone and inside a filter."""
+    folder = shutil.copytree(baselines.AGENTS["ppo-plane"], tmp_path_factory.mktemp("plain") / "mine")
+    policies = ["orthogonal", str(folder), f"cbf+{folder}"]
+    run = save(evaluate(policies, episodes=10, progress=False), folder.parent / "run")
+    shutil.rmtree(folder)
+    return run
 
 
 @pytest.fixture
@@ -75,12 +85,13 @@ def found(verdict):
 
 def test_a_true_record_is_verified(sound):
     verdict = verify(sound)
-    assert verdict.verified and verdict.metrics == 4 * len(METRICS)
+    assert verdict.outcome == "incomplete" and not verdict.differences and verdict.metrics == 4 * len(METRICS)
+    assert not verdict.verified and set(verdict.status.values()) == {"sample", "not flown"}
     assert verdict.flown == {"none": 10, "orthogonal": 10}
     assert set(verdict.not_flown) == {"mine", "object"}
     assert "--trust" in verdict.not_flown["mine"] and "Flyer" in verdict.not_flown["object"]
     text = report(verdict)
-    assert "NOT flown again: mine" in text and text.endswith("nothing differs")
+    assert "NOT flown again: mine" in text and "INCOMPLETE: nothing differs" in text
 
 
 def test_a_policy_of_the_package_needs_no_trust_however_it_is_named(tmp_path):
@@ -93,7 +104,8 @@ def test_a_policy_of_the_package_needs_no_trust_however_it_is_named(tmp_path):
 
 def test_all_of_it_by_workers(sound):
     verdict = verify(sound, every=True, trust=True, workers=2)
-    assert verdict.verified and verdict.flown == {"none": N, "orthogonal": N, "mine": N}
+    assert not verdict.differences and verdict.flown == {"none": N, "orthogonal": N, "mine": N}
+    assert verdict.status == {"none": "all", "orthogonal": "all", "mine": "all", "object": "not flown"}
     assert set(verdict.not_flown) == {"object"}
 
 
@@ -133,13 +145,15 @@ def test_a_changed_row_is_found_by_flying_it_again(folder):
     seeds = [seed for seed in range(20) if 17 in sample(load(folder), seed=seed)]
     assert 0 < len(seeds) < 20
     for seed in (seeds[0], next(seed for seed in range(20) if seed not in seeds)):
-        assert verify(folder, seed=seed).verified == (seed not in seeds)
+        assert bool(verify(folder, seed=seed).differences) == (seed in seeds)
     assert "episode 17, manoeuvre_m: recorded 0.0, found " in report(verify(folder, seed=seeds[0]))
 
 
 def test_the_sample_is_one_percent_and_at_least_ten(sound):
     record = load(sound)
     assert len(sample(record)) == 10 == len(set(sample(record))) and sample(record) == sample(record)
+    assert sample(record, seed=1) != sample(record)
+    assert len({verify(record.folder).seed for _ in range(3)}) == 3  # by chance, and told
     large = dataclasses.replace(record, episodes=100_000)
     assert len(set(sample(large))) == 1000 and max(sample(large)) > 90_000
     assert sample(dataclasses.replace(record, episodes=7)) == range(7)
@@ -206,14 +220,14 @@ def test_a_stranger_runs_no_code(folder, tmp_path, monkeypatch):
         ("gone_module:policy", "gone_module"),
         ("flyers:missing", "missing"),
         ("flyers:unmade", "no weights"),
-        ("nobody", "unknown"),
+        ("nobody", "not in the record"),
         ("orthogonal:x=1", "no option 'x'"),
     ],
 )
 def test_policies_that_are_gone_are_named(folder, spec, words):
     change(folder, lambda content: content["policies"][2].update(spec=spec))
     verdict = verify(folder, trust=True)
-    assert verdict.verified and words in verdict.not_flown["mine"]
+    assert verdict.outcome == "incomplete" and words in verdict.not_flown["mine"]
 
 
 def test_a_policy_that_depends_on_its_company_is_found(tmp_path):
@@ -233,6 +247,57 @@ def test_a_policy_that_fails_now_does_not_hide_the_others(folder):
     assert "lost the way" in report(verdict)
 
 
+def test_an_invented_table_is_no_verified_record(folder):
+    """Of a policy that cannot be flown again."""
+    record = load(folder)
+    mine = record["object"]
+    mine.table[:] = record["orthogonal"].table  # flights that hold together, and that it has not flown
+    write_table(folder / "tables", Path(mine.file).stem, mine.table, with_csv=False)
+    change(folder, lambda content: content["policies"][3].update(table_sha256=table_digest(mine.table)))
+    forge(folder, "object", "fault", 0, False)
+    verdict = verify(folder)
+    assert verdict.outcome == "incomplete" and verdict.status["object"] == "not flown" and not verdict.verified
+    assert main(["verify", str(folder)]) == 3
+
+
+def test_learned_policies_travel_in_the_record(plain):
+    verdict = verify(plain)
+    assert verdict.verified and set(verdict.status.values()) == {"all"} and len(verdict.status) == 4
+    assert sorted(path.name for path in (plain / "policies").iterdir()) == [
+        one.folder.split("/")[1] for one in load(plain).policies if one.folder
+    ]
+
+
+def test_no_path_of_a_record_is_opened(plain, tmp_path):
+    """Not even that of a policy which is there."""
+    folder = shutil.copytree(plain, tmp_path / "run")
+    agent = shutil.copytree(baselines.AGENTS["ppo-plane"], tmp_path / "agent")
+    change(folder, lambda content: content["policies"][2].update(spec=str(agent), folder=None))
+    verdict = verify(folder)
+    assert verdict.outcome == "incomplete" and "not in the record" in verdict.not_flown["mine"]
+
+
+def test_a_replaced_policy_is_no_verified_one(plain, tmp_path):
+    folder = shutil.copytree(plain, tmp_path / "run")
+    (other,) = (one.folder for one in load(folder).policies if one.name == "mine")
+    document = folder / other / "policy.json"
+    document.write_text(document.read_text() + "\n")
+    verdict = verify(folder)
+    assert verdict.outcome == "differs" and "not the policy that was recorded" in verdict.not_flown["mine"]
+    document.unlink()
+    with pytest.raises(RecordError, match=r"policy.json is missing"):
+        verify(folder)
+    document.symlink_to("/etc/hostname")
+    with pytest.raises(RecordError, match="symbolic link"):
+        verify(folder)
+
+
+def test_files_under_the_name_of_a_policy_of_the_package(plain, tmp_path):
+    folder = shutil.copytree(plain, tmp_path / "run")
+    change(folder, lambda content: content["policies"][2].update(spec="orthogonal"))
+    assert "brings files under that name" in verify(folder).not_flown["mine"]
+
+
 # The command
 
 
@@ -242,9 +307,11 @@ def run(capsys, *arguments):
     return status, captured.out, captured.err
 
 
-def test_the_command_says_yes(sound, capsys):
+def test_the_command_says_yes(sound, plain, capsys):
+    status, out, err = run(capsys, plain)
+    assert status == 0 and not err and out.endswith("verified: nothing differs\n") and "--seed" in out
     status, out, err = run(capsys, sound)
-    assert status == 0 and not err and "nothing differs" in out
+    assert status == 3 and not err and "INCOMPLETE" in out
 
 
 def test_the_command_says_no(folder, capsys):
@@ -271,7 +338,7 @@ def test_the_command_ends_with_a_sentence(folder, capsys):
 def test_records_of_other_versions_are_compared_too(folder):
     change(folder, lambda content: content["versions"].update(numpy="1.0", numba="1.0"))
     verdict = verify(folder)
-    assert verdict.verified and set(verdict.versions) == {"numpy", "numba"}
+    assert not verdict.differences and set(verdict.versions) == {"numpy", "numba"}
     assert records.versions()["numpy"] == verdict.versions["numpy"][1]
 
 
