@@ -96,7 +96,10 @@ def page(folders, out):
 
 def test_one_table_a_level_of_information_official_runs_first(runs, tmp_path):
     read, notes = page(runs.values(), tmp_path / "site")
-    names = {heading: [re.sub(r"(orthogonal:radius_m=80; )?record.*", "", name) for name in names] for heading, names in read.names().items()}
+    names = {
+        heading: [re.sub(r"(orthogonal:radius_m=80; )?record.*", "", name) for name in names]
+        for heading, names in read.names().items()
+    }
     official = "Suite smoke-v0 / All encounters of the suite: 100 encounters of split suite, seed 0"
     assert list(names) == [
         "Suite encounter-v0 / Other runs: 30 encounters of split suite, seed 0 / Information positions",
