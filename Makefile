@@ -11,7 +11,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test check explore lint bench table clean
+.PHONY: help setup demo test check explore lint bench table docs clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -42,8 +42,12 @@ bench: .venv/.bench ## step rates on one core, beside other environments
 table: .venv/.done ## fly the policies and write their tables (half an hour on two idle cores; goes on where it was interrupted)
 	$(BIN)/rss-gym study opponents --pages .
 
+docs: .venv/.done ## build the site in build/docs; a warning or a broken link is an error
+	$(BIN)/python -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
+	@echo "site: build/docs/index.html"
+
 clean: ## remove build products and caches; .venv stays
-	rm -rf build dist *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	rm -rf build dist docs/generated docs/api/generated *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find rss_gym baselines train eval tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # One stamp for each set of packages: the demo needs no test tools.

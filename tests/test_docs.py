@@ -1,6 +1,7 @@
 """What the documents and pyproject.toml name exists."""
 
 import fnmatch
+import importlib
 import re
 import tomllib
 from pathlib import Path
@@ -12,12 +13,16 @@ from rss_gym.cli import parser
 from rss_gym.domain import ROAD
 from rss_gym.eval.suites import SUITES
 from rss_gym.ids import IDS, ROADS
+from rss_gym.observation import fields
 from rss_gym.params import Params
 from rss_gym.registry import GROUP
 from rss_gym.train.recipe import recipes
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((ROOT / "docs").glob("*.md"))
+SITE = sorted(path for path in (ROOT / "docs").rglob("*.md") if "generated" not in path.relative_to(ROOT).parts)
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *SITE]
+# Pages whose code runs here as it stands, page by page; the code of others is compiled.
+RUN = ("quickstart", "concepts", "own-policy", "library", "tutorial")
 FOLDERS = "rss_gym|baselines|train|eval|tests|docs|examples|benchmarks"
 
 
@@ -60,7 +65,7 @@ def test_ids_and_suites_exist(page):
     assert set(re.findall(r"\brss_gym/[A-Z]\w*-v\d", content)) <= {*IDS, *ROADS}
     named = set(re.findall(r"`([a-z0-9-]+-v\d)`", content))
     assert named <= set(SUITES)
-    assert page.name != "README.md" or named >= {name for name, suite in SUITES.items() if suite.domain is not ROAD}
+    assert page.name != "scores.md" or named >= {name for name, suite in SUITES.items() if suite.domain is not ROAD}
 
 
 def commands():
@@ -80,6 +85,65 @@ def test_commands_parse(command):
                 baselines.make(spec, Params())
     if options.command == "train" and options.recipe is not None:
         assert options.recipe in recipes()
+
+
+def code(page):
+    return re.findall(r"```(?:python|\{code-cell\} python)\n(.*?)```", text_of(page), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if code(page)], ids=lambda page: page.name)
+def test_code_compiles(page):
+    for number, block in enumerate(code(page)):
+        compile(block, f"{page.name}, block {number}", "exec")
+
+
+@pytest.mark.parametrize("name", RUN)
+def test_code_runs(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": name}
+    for block in code(ROOT / "docs" / f"{name}.md"):
+        # A test has no need of as many encounters.
+        exec(compile(block.replace("episodes=2000", "episodes=50"), f"{name}.md", "exec"), names)
+    assert capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def site(monkeypatch):
+    """The module that makes parts of pages of the code."""
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    return importlib.import_module("extensions.generated")
+
+
+def test_every_environment_has_a_card_with_all_its_columns(site):
+    marks = [found for page in SITE for found in site.MARK.findall(text_of(page))]
+    assert sorted(name for kind, name in marks if kind == "card") == sorted([*IDS, *ROADS])
+    assert {kind for kind, _ in marks} == set(site.KINDS)
+    for name, keywords in IDS.items():
+        columns = [field.name for field in fields(Params.of(**keywords))]
+        text = site.card(name)
+        assert re.findall(r"^\| \d+ \| `([a-z]\w+(?:\.\w+)?)`", text, re.MULTILINE) == columns
+        assert "## Version history" in text
+
+
+def test_every_equation_is_on_the_page_of_the_theory_and_has_its_functions(site):
+    theory = text_of(ROOT / "docs" / "theory.md")
+    numbers = [int(number) for number in re.findall(r"^\(eq-(\d+)\)=$", theory, re.MULTILINE)]
+    assert numbers == list(range(1, site.equations.LAST + 1))
+    assert [number for number in numbers if not site.equations.named()[number]] == [41]
+    assert "rss_gym.safety.radius_m" in site.equations.named()[40]
+
+
+def test_a_broken_link_of_the_site_is_found(site, tmp_path):
+    links = importlib.import_module("extensions.links")
+    (tmp_path / "a.html").write_text('<a href="b.html#here">b</a><a href="c.html">c</a>', encoding="utf-8")
+    (tmp_path / "b.html").write_text('<p id="there"></p><img src="https://example.org/x.png">', encoding="utf-8")
+    assert links.broken(tmp_path) == [
+        "a.html links to b.html#here, an anchor that does not exist",
+        "a.html links to c.html, which does not exist",
+        "b.html loads https://example.org/x.png",
+    ]
 
 
 def test_pyproject_names_modules_that_exist():
