@@ -56,8 +56,8 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
     ## Arguments
 
     `params` is a `rss_gym.highway.params.RoadParams` or its dict, and any keyword of `RoadParams.of` changes it:
-    `config` highway-env's configuration, `reward` the prices, the others what `rss_gym.highway.RssRanging` says, which
-    has also what seeds do.
+    `config` highway-env's configuration, `reward` the prices, the others the sensor. `rss_gym.highway.RssRanging` says
+    what seeds do.
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012
@@ -72,12 +72,12 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ParamsError(f"render_mode must be one of {self.metadata['render_modes']}, got {render_mode!r}")
-        self.params = RoadParams.of(params, **({} if scene is None else {"scene": scene}), **keywords)
+        self.params = RoadParams.of(params, **(keywords if scene is None else {"scene": scene, **keywords}))
         self.scene, config = SCENES[self.params.road.scene], self.params.road.config
         kind = scene_class(self.scene)
         check(config, kind.default_config())
         road = kind(config={**self.scene.configuration, **config}, render_mode=render_mode)
-        self.ranging = RssRanging(road, params=self.params, **self.params.road.of_the_wrapper)
+        self.ranging = RssRanging(road, self.params)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
 

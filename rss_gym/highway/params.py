@@ -10,8 +10,19 @@ from typing import Any, Literal
 
 from rss_gym.checks import positive
 from rss_gym.highway.scene import SCENES, scene_class
-from rss_gym.highway.settings import NAVIGATED, PRICES, mapping, prices, settings
-from rss_gym.params import Group, Params, ParamsError, choice, refuse_keywords, suggestion
+from rss_gym.params import (
+    MAX_INTRUDERS,
+    Encounter,
+    Group,
+    Navigation,
+    Params,
+    ParamsError,
+    Ranging,
+    Zone,
+    choice,
+    refuse_keywords,
+    suggestion,
+)
 
 Driver = Literal["agent", "idm"]
 
@@ -39,7 +50,7 @@ class Road(Group):
         Group.__post_init__(self)
         if not isinstance(self.scene, str) or self.scene not in SCENES:
             raise ParamsError(f"scene {self.scene!r} is unknown{suggestion(str(self.scene), SCENES)}")
-        object.__setattr__(self, "config", dict(mapping("config", self.config)))
+        object.__setattr__(self, "config", dict(_mapping("config", self.config)))
         object.__setattr__(self, "radio_range_m", positive("radio_range_m", self.radio_range_m, 1e4))
 
     @property
@@ -47,27 +58,56 @@ class Road(Group):
         """As highway-env takes it, but for its own defaults."""
         return {**SCENES[self.scene].configuration, **self.config}
 
-    @property
-    def of_the_wrapper(self) -> dict[str, Any]:
-        """What `RssRanging` takes."""
-        return {"radio_range_m": self.radio_range_m, "radio": self.radio, "driver": self.driver}
-
 
 ROAD = tuple(item.name for item in dataclasses.fields(Road))
-KEYWORDS = (*ROAD, "vehicles", "channel", "information", "estimator", "zone", "ranging", "navigation", "reward")
+# Groups that are given as tables, and what a road has of them; of the others all.
+TABLES = {
+    "zone": tuple(item.name for item in dataclasses.fields(Zone)),
+    "ranging": tuple(item.name for item in dataclasses.fields(Ranging)),
+    "navigation": ("gnss_m", "gnss_tc_s", "velocity_mps", "velocity_tc_s"),
+    "reward": ("deviation_price", "snmac_price_m", "collision_price_m"),
+}
+KEYWORDS = (*ROAD, *TABLES, "vehicles", "channel", "information", "estimator")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RoadParams(Params):
-    """All parameters of a road. What it shares with the air stands in the same groups."""
+    """All parameters of a road. What it shares with the air stands in the same groups, some with other defaults."""
 
+    # |v| of (40) is the relative speed of the fastest and the slowest of highway-env's vehicles, 30 and 20 m/s. With
+    # the world's n_d = 8 the zone would be 120 m and hold everybody on the road for good; with n_d = 3, which bounds a
+    # missed conflict by 0.2^3 = 0.008, it is (4 / 0.8 + 10 * 1) * 3 = 45 m.
+    zone: Zone = field(default_factory=lambda: Zone(speed_relative_max_mps=10.0, collision_probability=1e-2))
+    # Of a vehicle first heard, between the next one and the end of radio range.
+    ranging: Ranging = field(default_factory=lambda: Ranging(prior_range_m=80.0))
+    navigation: Navigation = field(default_factory=lambda: Navigation(agent="gnss", intruder="gnss"))
+    encounter: Encounter = field(default_factory=lambda: Encounter(intruders=6))
     road: Road = field(default_factory=Road)
 
     @classmethod
-    def of(cls, params: Params | Mapping[str, Any] | None = None, **keywords: Any) -> RoadParams:
+    def of(
+        cls,
+        params: Params | Mapping[str, Any] | None = None,
+        frequencies: tuple[float, float] | None = None,
+        **keywords: Any,
+    ) -> RoadParams:
         """`params` (the dataclass, its dict, or those of the scene) with any of `KEYWORDS` changed.
 
-        `zone`, `ranging`, `navigation` and `reward` are tables of what differs; `vehicles` is how many are observed.
+        Parameters
+        ----------
+        params : RoadParams or dict, optional
+        frequencies : (float, float), optional
+            Of the simulation and of the policy, Hz; default: those of the scene's configuration.
+        vehicles : int
+            How many of the nearest vehicles are observed, 1 to 8.
+        channel : str, path, dict, Channel or a list of these
+            As in the world; one is drawn an episode.
+        information, estimator : str
+            As in the world.
+        zone, ranging, navigation, reward : dict
+            Fields of these groups that differ.
+        scene, config, radio_range_m, radio, driver
+            Those of `Road`.
 
         Raises
         ------
@@ -75,39 +115,63 @@ class RoadParams(Params):
             For an unknown name, with the nearest known one, or a value out of range.
         """
         refuse_keywords("a road", keywords, KEYWORDS)
-        base = params if params is None or isinstance(params, RoadParams) else cls.from_dict(params)  # type: ignore
-        road = (base.road if base else Road()).replace(**{k: v for k, v in keywords.items() if k in ROAD})
-        now: dict[str, Any] = {"zone": SCENES[road.scene].zone, "reward": {}}
-        if base is not None:
-            now = {
-                "vehicles": base.encounter.intruders,
-                "channel": list(base.channels),
-                "information": base.interface.information,
-                "estimator": base.ranging.estimator,
-                "zone": base.zone.to_dict() | ({} if road.scene == base.road.scene else SCENES[road.scene].zone),
-                "ranging": {k: v for k, v in base.ranging.to_dict().items() if k != "estimator"},
-                "navigation": {name: getattr(base.navigation, name) for name in NAVIGATED},
-                "reward": {name: getattr(base.reward, name) for name in PRICES},
-            }
-        for name, value in keywords.items():
-            if name in ("zone", "ranging", "navigation", "reward"):
-                value = {**now.get(name, {}), **mapping(name, {} if value is None else value)}
-            if name not in ROAD:
-                now[name] = value
-        reward, frequency = prices(now.pop("reward")), road.configuration["simulation_frequency"]
-        ticks = int(frequency // road.configuration["policy_frequency"])
-        found = settings(1.0 / frequency, ticks / frequency, **now)
-        groups = {item.name: getattr(found, item.name) for item in dataclasses.fields(found)}
-        return cls(**{**groups, "reward": reward, "road": road})
+        base = cls() if params is None else params if isinstance(params, cls) else cls.from_dict(params)  # type: ignore
+        road = base.road.replace(**{name: value for name, value in keywords.items() if name in ROAD})
+        changes: dict[str, Any] = {"road": road}
+        if params is None or road.scene != base.road.scene:
+            changes["zone"] = base.zone.replace(**SCENES[road.scene].zone)
+        simulation, policy = frequencies or (road.configuration[f"{of}_frequency"] for of in ("simulation", "policy"))
+        decision_s = int(simulation // policy) / simulation
+        changes["clock"] = base.clock.replace(tick_s=1.0 / simulation, decision_s=decision_s)
+        for name, known in TABLES.items():
+            given = keywords.get(name)
+            if given is not None:
+                changes[name] = _changed(name, changes.get(name, getattr(base, name)), given, known)
+        if "estimator" in keywords:
+            changes["ranging"] = changes.get("ranging", base.ranging).replace(estimator=keywords["estimator"])
+        if "vehicles" in keywords:
+            changes["encounter"] = base.encounter.replace(intruders=_count(keywords["vehicles"]))
+        if "channel" in keywords:
+            changes["channels"] = keywords["channel"]
+        if "information" in keywords:
+            level = keywords["information"]
+            changes["interface"] = base.interface.replace(information=level)
+            changes["tracking"] = base.tracking.replace(tracker="bearings" if level == "ranges" else "fused")
+        return dataclasses.replace(base, **changes)
 
     @classmethod
     def from_dict(cls, table: Mapping[str, Any]) -> RoadParams:
         """The parameters that `to_dict` wrote."""
-        rest = dict(mapping("params", table))
-        road = mapping("params.road", rest.pop("road", {}))
+        rest = dict(_mapping("params", table))
+        road = _mapping("params.road", rest.pop("road", {}))
         groups = Params.from_dict(rest)
         shared = {item.name: getattr(groups, item.name) for item in dataclasses.fields(groups)}
         return cls(road=Road().replace(**road), **shared)
+
+
+def _changed(name: str, base: Group, given: Any, known: tuple[str, ...]) -> Group:
+    """A group with some fields changed; errors name the group too."""
+    if isinstance(given, type(base)):
+        return given
+    for parameter in _mapping(name, given):
+        if parameter not in known:
+            raise ParamsError(f"{name} has no parameter {parameter!r} on a road{suggestion(str(parameter), known)}")
+    try:
+        return base.replace(**given)
+    except ParamsError as error:
+        raise ParamsError(f"{name}: {error}") from error
+
+
+def _count(vehicles: Any) -> int:
+    if isinstance(vehicles, bool) or not isinstance(vehicles, int) or not 1 <= vehicles <= MAX_INTRUDERS:
+        raise ParamsError(f"vehicles must be a whole number in [1, {MAX_INTRUDERS}], got {vehicles!r}")
+    return vehicles
+
+
+def _mapping(name: str, given: Any) -> Mapping[str, Any]:
+    if not isinstance(given, Mapping):
+        raise ParamsError(f"{name} must be a dict of parameters, got {given!r}")
+    return given
 
 
 @cache

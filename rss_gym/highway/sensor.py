@@ -25,7 +25,7 @@ class Sensor:
     Parameters
     ----------
     params : Params
-        Of `rss_gym.highway.settings`.
+        Of `rss_gym.highway.params`.
     radio_range_m : float
         Beyond it nobody is heard.
 

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
-from typing import Any, Literal, get_args
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
 
-from rss_gym.checks import positive
 from rss_gym.core import SEED_LIMIT, SPLITS, checked_options, checked_seed
 from rss_gym.highway.config import check
 from rss_gym.highway.observation import Writer
+from rss_gym.highway.params import KEYWORDS, RoadParams
 from rss_gym.highway.plan import Plan
 from rss_gym.highway.sensor import Sensor
-from rss_gym.highway.settings import settings
-from rss_gym.params import Params, ParamsError, Zone, suggestion
+from rss_gym.params import ParamsError, refuse_keywords
 from rss_gym.physics.random import episode_key
 
-Driver = Literal["agent", "idm"]
 MADE_WITH = ("simulation_frequency", "policy_frequency", "controlled_vehicles")  # what sensor and clock rest on
 
 
@@ -34,19 +32,10 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
     ----------
     env : gymnasium.Env
         Of highway-env, with one controlled vehicle.
-    vehicles : int
-        How many of the nearest vehicles (by estimated range) are observed, 1 to 8; all in radio range keep a filter.
-    channel, information, estimator, zone, ranging, navigation
-        As `rss_gym.highway.settings.settings` takes them.
-    radio_range_m : float
-        Beyond it a vehicle is not heard and its filter ends.
-    radio : bool
-        Whether the vehicles' fields are written; without it they are zero.
-    driver : str
-        `agent`, or `idm`: highway-env's own driver (IDM and MOBIL, on true states) takes the agent's vehicle, and
-        actions have no effect.
-    params : Params, optional
-        Of `settings`, in place of what it takes.
+    params : RoadParams, optional
+        Its parameters; default: those of a road of these frequencies.
+    **keywords
+        What differs, as `rss_gym.highway.params.RoadParams.of` takes it; scene, config and reward are highway-env's.
 
     Notes
     -----
@@ -64,36 +53,23 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
     def __init__(
         self,
         env: gym.Env[Any, Any],
-        vehicles: int = 6,
-        channel: Any = "paper",
-        information: str = "positions",
-        estimator: str = "ekf-coloured",
-        zone: Zone | Mapping[str, Any] | None = None,
-        ranging: Mapping[str, Any] | None = None,
-        navigation: Mapping[str, Any] | None = None,
-        radio_range_m: float = 150.0,
-        radio: bool = True,
-        driver: str = "agent",
-        params: Params | None = None,
+        params: RoadParams | None = None,
+        **keywords: Any,
     ) -> None:
         super().__init__(env)
         base: Any = env.unwrapped
         if not hasattr(base, "road") or not isinstance(getattr(base, "config", None), Mapping):
             raise ParamsError(f"RssRanging wraps environments of highway-env, got {type(base).__name__}")
-        if driver not in get_args(Driver):
-            raise ParamsError(f"driver = {driver!r} is unknown{suggestion(str(driver), get_args(Driver))}")
-        if not isinstance(radio, bool):
-            raise ParamsError(f"radio must be true or false, got {radio!r}")
         if base.config.get("controlled_vehicles", 1) != 1:
             raise ParamsError(f"RssRanging observes one controlled vehicle, got {base.config['controlled_vehicles']}")
-        frequency = base.config["simulation_frequency"]
-        ticks = int(frequency // base.config["policy_frequency"])
-        self.params = params or settings(
-            1.0 / frequency, ticks / frequency, vehicles, channel, information, estimator, zone, ranging, navigation
+        refuse_keywords(
+            "RssRanging", keywords, [name for name in KEYWORDS if name not in ("scene", "config", "reward")]
         )
-        self.sensor, self.driver = Sensor(self.params, positive("radio_range_m", radio_range_m, 1e4)), driver
-        self.radio = radio
-        self._writer = Writer(self.params, radio)
+        frequencies = (base.config["simulation_frequency"], base.config["policy_frequency"])
+        self.params = RoadParams.of(params, frequencies, **keywords)
+        road = self.params.road
+        self.sensor, self.driver, self.radio = Sensor(self.params, road.radio_range_m), road.driver, road.radio
+        self._writer = Writer(self.params, self.radio)
         self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
         self.plan: Plan | None = None
         self._seed, self._next = 0, 0  # of the episodes

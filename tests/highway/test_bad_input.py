@@ -22,8 +22,8 @@ from rss_gym.params import ParamsError
         ({"radio": 1}, "radio must be true or false"),
         ({"radio_range_m": 0.0}, "radio_range_m must be finite, above 0"),
         ({"channel": "papre"}, "channel preset 'papre' is unknown; did you mean 'paper'"),
-        ({"zone": {"reaction": 1.0}}, "zone: Zone has no parameter 'reaction'; did you mean 'reaction_s'"),
-        ({"ranging": {"prior_m": 1.0}}, "ranging: Ranging has no parameter 'prior_m'"),
+        ({"zone": {"reaction": 1.0}}, "zone has no parameter 'reaction' on a road; did you mean 'reaction_s'"),
+        ({"ranging": {"prior_m": 1.0}}, "ranging has no parameter 'prior_m' on a road"),
         ({"navigation": {"gnss": 1.0}}, "navigation has no parameter 'gnss' on a road; did you mean 'gnss_m'"),
         ({"navigation": {"barometer_m": 1.0}}, "navigation has no parameter 'barometer_m' on a road"),
         (

@@ -5,7 +5,7 @@ import pytest
 
 from rss_gym.highway.env import RoadEnv
 from rss_gym.highway.observation import Writer, fields, split
-from rss_gym.highway.settings import settings
+from rss_gym.highway.params import RoadParams
 from rss_gym.sensed import OTHER, OWN
 
 OWN_FIELDS = 9  # the last of them is `solution_std_m`
@@ -14,7 +14,7 @@ OWN_FIELDS = 9  # the last of them is `solution_std_m`
 @pytest.fixture(params=["oracle", "positions", "ranges"])
 def params(request):
     """Of every level of information, with two vehicles."""
-    return settings(0.1, 1.0, vehicles=2, information=request.param)
+    return RoadParams.of(vehicles=2, information=request.param)
 
 
 def sensed(rng, n=2):
