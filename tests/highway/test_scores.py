@@ -1,6 +1,8 @@
 """Scores on a road, by the evaluator of the air: the same result in every process, records verified and ranked."""
 
 import json
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.suites import SUITES, find
 from rss_gym.eval.verify import verify
 from rss_gym.highway.env import RoadEnv
+from rss_gym.highway.params import actions
 from rss_gym.params import ParamsError
 
 ROADS = {name: suite for name, suite in SUITES.items() if suite.domain is ROAD}
@@ -153,6 +156,23 @@ def test_refused(more, sentence, tmp_path, capsys):
     assert main(arguments) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
+
+
+class Braker:
+    """Brakes at every decision; made from the parameters of the road, as a function that `module:attribute` names."""
+
+    def __init__(self, params):
+        self.action = actions(params).index("SLOWER")
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        return np.full(len(observation), self.action), state
+
+
+def test_policies_of_ones_own(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mine", types.SimpleNamespace(Braker=Braker))
+    found = evaluate({"one": Braker(SUITE.params), "two": "mine:Braker"}, SUITE, episodes=2, progress=False)
+    none, one, two = (scored.table for scored in found.policies)
+    assert one.tobytes() == two.tobytes() and (one["speed_deviation_mps"] > none["speed_deviation_mps"] + 1.0).all()
 
 
 def test_a_policy_of_the_air_is_refused_on_a_road():
