@@ -9,6 +9,7 @@ package instead.
 import functools
 import hashlib
 import os
+import re
 import sys
 import types
 from pathlib import Path
@@ -16,12 +17,14 @@ from pathlib import Path
 import numba
 
 from rss_gym import kernel_cache
+from rss_gym.errors import ParamsError
 
 __all__ = [
     "announce",
     "cache_dir",
     "compiled",
     "digest_of",
+    "guarded",
     "inner",
     "kernel",
     "parts_dir",
@@ -187,6 +190,34 @@ def _copied(function, replaced):
     source = getattr(function, "py_func", function)
     names = {**source.__globals__, **replaced}
     return types.FunctionType(source.__code__, names, source.__name__, source.__defaults__, source.__closure__)
+
+
+def guarded(function, what):
+    """A kernel that calls functions from outside the package; one that Numba cannot compile raises `ParamsError`.
+
+    Its sentence says of ``what`` the function is, where Numba stopped and why; all that Numba says is its cause.
+    """
+
+    @functools.wraps(getattr(function, "py_func", function))
+    def call(*arguments):
+        try:
+            return function(*arguments)
+        except Exception as error:  # compiled code raises nothing; Numba stops in many ways
+            raise ParamsError(f"{what} cannot be compiled by Numba: {_reason(error)}") from error
+
+    return call
+
+
+def _reason(error):
+    """Where Numba stopped outside this package, and what it says first, in one line."""
+    if not isinstance(error, numba.core.errors.NumbaError):
+        return f"{type(error).__name__}: {error}".splitlines()[0]
+    lines = [line.strip() for line in str(error).splitlines()]
+    here = re.escape(str(Path(__file__).resolve().parent.name))
+    places = [re.match(r'File "(.*)", line (\d+)', line) for line in lines]
+    outside = [f"{place[1]}, line {place[2]}" for place in places if place and not re.search(rf"\b{here}/", place[1])]
+    said = [line for line in lines if line and not line.startswith(("Failed in nopython", "During", "File", "- "))]
+    return ": ".join([*outside[-1:], said[0] if said else "no reason given"])[:400]
 
 
 @functools.cache

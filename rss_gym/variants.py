@@ -9,7 +9,7 @@ import functools
 from pathlib import Path
 
 from rss_gym import links, world
-from rss_gym.jit import compiled, digest_of, inner, parts_dir, rebound, rebound_kernel
+from rss_gym.jit import compiled, digest_of, guarded, inner, parts_dir, rebound, rebound_kernel
 from rss_gym.physics.elementary import exp, log
 from rss_gym.ranging import ESTIMATORS
 from rss_gym.ranging.batch import Setting
@@ -47,7 +47,8 @@ def _world(estimator, tracker, what):
     reset, step = dict(parts), dict(parts)
     if estimator.code < 0:
         reset["start_filter"], step["estimate"] = lanes_of(estimator)
-    return rebound_kernel(world.reset, folder, **reset), rebound_kernel(world.step, folder, **step)
+    made = rebound_kernel(world.reset, folder, **reset), rebound_kernel(world.step, folder, **step)
+    return tuple(guarded(one, what) for one in made)
 
 
 def radio(kernel, name):
@@ -60,7 +61,7 @@ def radio(kernel, name):
 def _radio(kernel, estimator, what):
     start_filter, estimate = lanes_of(estimator)
     folder = parts_dir(ROOT, digest(estimator), what)
-    return rebound_kernel(kernel, folder, start_filter=start_filter, estimate=estimate)
+    return guarded(rebound_kernel(kernel, folder, start_filter=start_filter, estimate=estimate), what)
 
 
 def digest(*parts):

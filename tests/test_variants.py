@@ -27,6 +27,9 @@ COLOURED = Filter(filters.range_prior, filters.predict_coloured, filters.update_
 WHITE = Filter(filters.white_prior, filters.predict_white, filters.update_white, filters.start_white)
 
 
+WHITE_PARTS = (filters.white_prior, filters.predict_white)
+
+
 @pytest.fixture
 def copies():
     """The package's filters and a tracker under other names."""
@@ -136,6 +139,53 @@ def test_what_is_no_tracker_is_refused(part, words):
     with pytest.raises(ParamsError, match=words):
         rss_gym.register_tracker("mine", part)
     assert "mine" not in TRACKERS
+
+
+def misspelt(state, rss_dbm, setting):
+    return setting.offset_dbmm, 0.0, 1.0, 0.0, 0.0
+
+
+def too_few(state, rss_dbm, setting):
+    return 1.0, 0.0
+
+
+def lost(own, other, memory, track, model):
+    track.valid = other.heard
+
+
+@pytest.mark.parametrize(
+    ("register", "keywords", "words"),
+    [
+        (
+            lambda: rss_gym.register_estimator("mine", Estimator("mine", Filter(*WHITE_PARTS, misspelt))),
+            {"estimator": "mine"},
+            ["estimator 'mine' cannot be compiled by Numba: ", "test_variants.py, line", "offset_dbmm"],
+        ),
+        (
+            lambda: rss_gym.register_estimator("mine", Estimator("mine", Filter(*WHITE_PARTS, too_few))),
+            {"estimator": "mine"},
+            ["estimator 'mine' cannot be compiled by Numba: "],
+        ),
+        (
+            lambda: rss_gym.register_tracker("mine", Tracker("mine", lost)),
+            {"tracker": "mine"},
+            ["tracker 'mine' cannot be compiled by Numba: KeyError: 'heard'"],
+        ),
+    ],
+)
+def test_a_part_that_does_not_compile_is_one_sentence(copies, register, keywords, words):
+    register()
+    with pytest.raises(ParamsError) as caught:
+        fresh(Params.of(**keywords), 1)
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 600
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+def test_a_run_over_records_that_does_not_compile_is_one_sentence(copies):
+    rss_gym.register_estimator("mine", Estimator("mine", Filter(*WHITE_PARTS, misspelt)))
+    with pytest.raises(ParamsError, match=r"estimator 'mine' cannot be compiled by Numba: .*offset_dbmm") as caught:
+        track("mine", [0.0, 1.0], [-80.0, -81.0], Params().channels[0])
+    assert "\n" not in str(caught.value)
 
 
 FACTOR = 2.0

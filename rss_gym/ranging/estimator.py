@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rss_gym.errors import ParamsError
-from rss_gym.jit import compiled, kernel
+from rss_gym.jit import compiled, guarded, kernel
 from rss_gym.physics.elementary import exp
 from rss_gym.ranging import filters
 from rss_gym.ranging.batch import filter_records
@@ -99,7 +99,8 @@ class Estimator:
     @property
     def run_records(self) -> Callable[..., None]:
         """The run over records."""
-        return self.run if self.run is not None else _run_of(self.filter, self.logarithmic)
+        made = self.run if self.run is not None else _run_of(self.filter, self.logarithmic)
+        return guarded(made, f"estimator {self.title!r}")
 
 
 @functools.cache
