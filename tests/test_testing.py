@@ -8,7 +8,7 @@ import pytest
 import rss_gym
 from rss_gym import registry, testing
 from rss_gym.baselines.policy import Scripted
-from rss_gym.encounters.family import Family
+from rss_gym.encounters.family import Complication, Family
 from rss_gym.eval.intervals import Interval, mean_t
 from rss_gym.eval.metrics import Metric
 from rss_gym.eval.suites import SUITES
@@ -246,7 +246,8 @@ def test_a_sound_family_passes():
 
 
 def test_a_family_that_cannot_be_drawn_is_found():
-    rss_gym.register_family("mine", Family(summary="never", weight=0.0, offset_m=(1e6, 1e6)))
+    beyond = Complication(speed_change_mps=(10.0, 20.0))  # of all cruise speeds
+    rss_gym.register_family("mine", Family(summary="never", weight=0.0, complication=beyond))
     with pytest.raises(ParamsError, match="no encounter of families 'mine' meets the limits"):
         testing.check_family("mine")
 
