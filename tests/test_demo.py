@@ -13,6 +13,8 @@ from rss_gym.eval import verify
 from rss_gym.params import load_channel
 from rss_gym.radio import simulate
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(autouse=True)
 def no_logs(monkeypatch, tmp_path):
@@ -45,7 +47,6 @@ def test_the_rule_over_its_radius_on_two_channels(tmp_path, capsys, monkeypatch)
     assert str(tmp_path) not in page
 
 
-@pytest.mark.slow
 def test_a_channel_from_the_logs_at_hand(tmp_path, capsys):
     logs = tmp_path / "data" / "wifi_walk"
     logs.mkdir(parents=True)
@@ -63,7 +64,6 @@ def test_a_channel_from_the_logs_at_hand(tmp_path, capsys):
     assert verdict.verified and not verdict.not_flown
 
 
-@pytest.mark.slow
 def test_shipped_agents_fly_on_both_channels_and_are_replayed_beside_the_rule(
     tmp_path, capsys, monkeypatch, tiny_agent
 ):

@@ -132,11 +132,13 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_what_a_script_registers_is_sent_to_its_workers(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     assert run(tmp_path, "script.py").split() == ["True", "600"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("value", "words"),
     [

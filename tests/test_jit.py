@@ -50,6 +50,7 @@ def _run(package):
     return float(value), int(hits)
 
 
+@pytest.mark.slow
 def test_edited_callee_is_recompiled(package):
     assert _run(package) == (3.0, 0)
     assert _run(package) == (3.0, 1)

@@ -11,6 +11,8 @@ import pytest
 
 from rss_gym import jit, kernel_cache
 
+pytestmark = pytest.mark.slow
+
 REPOSITORY = Path(jit.__file__).resolve().parents[1]
 RUN = """
 import sys, time

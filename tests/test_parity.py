@@ -92,7 +92,7 @@ def same(value, expected):
     return value.shape == expected.shape and value.dtype == expected.dtype and value.tobytes() == expected.tobytes()
 
 
-@pytest.mark.parametrize("n", [1, 2, 7, pytest.param(64, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [pytest.param(n, marks=[pytest.mark.slow] * (n != 7)) for n in EVENTS])
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 @pytest.mark.parametrize("world", WORLDS)
 def test_rows_are_single_environments(world, mode, n):

@@ -64,6 +64,7 @@ angle = st.floats(0.0, 2.0 * np.pi)
 speed = st.floats(-4.0, 4.0)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(speed, speed, angle), max_size=6), st.tuples(speed, speed))
 def test_no_sampled_velocity_is_better(edges, preferred):
     planes = np.zeros((len(edges), 4))

@@ -212,6 +212,7 @@ def test_the_rule_obeys_all_of_three_intruders(places):
     np.testing.assert_allclose(ends[0], ends[1], atol=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RULES)
 def test_with_three_intruders_on_true_states_hardly_anybody_collides(name):
     batch = flown(baselines.make(f"{name}@oracle", Params.of(intruders=3)), count=100)

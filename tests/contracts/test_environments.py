@@ -434,7 +434,7 @@ def test_vector_render(env_id):
     envs.close()
 
 
-@pytest.mark.parametrize("vector", [False, True])
+@pytest.mark.parametrize("vector", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_record_video(tmp_path, vector):
     editor = pytest.importorskip("moviepy")
     pytest.importorskip("imageio_ffmpeg")

@@ -317,6 +317,7 @@ def test_each_intruder_has_the_complication_of_its_own_family():
     assert np.array_equal(batch.state.contacts["silent_until_s"] > batch.state.contacts["silent_s"], family == 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suite", ["separating-v0", "merging-v0"])
 def test_between_a_fifth_and_three_fifths_collide_if_nobody_acts(suite):
     """In each family; the radio is left out of it."""

@@ -15,6 +15,7 @@ from rss_gym.params import Encounter, Params, ParamsError
 from rss_gym.state import MAX_WAY_POINTS
 
 N = 4000
+FLOWN = 1000  # of them, by brute force
 ENCOUNTER, CLOCK = Params().encounter, Params().clock
 START_MIN_M = ENCOUNTER.start_range_min * ENCOUNTER.start_range_unit_m
 START_MAX_M = ENCOUNTER.start_range_max * ENCOUNTER.start_range_unit_m
@@ -102,7 +103,9 @@ def drawn(name, planar=True, intruders=1):
         horizontal=(r[:, 1] * closing[:, 0] - r[:, 0] * closing[:, 1]) / speed,
         vertical=r[:, 2],
         start=np.linalg.norm(relative(agent, intruder, 0.0 * now)[0][:, 0], axis=1),
-        least=least_separation(agent, intruder, approach_s, end_s),
+        least=functools.cache(
+            lambda: least_separation(agent[:FLOWN], intruder[:FLOWN], approach_s[:FLOWN], end_s[:FLOWN])
+        ),
         extrapolated=np.where(approach_s > 20.0, np.linalg.norm(before - guess * share[:, None], axis=1), np.nan),
     )
 
@@ -120,8 +123,8 @@ def assert_limits(d):
     assert np.all(d.start <= np.hypot(START_MAX_M, d.miss) + 1e-5)
     # The planned approach is where the paths are nearest: perpendicular, and nowhere 0.1 m nearer in the flight.
     np.testing.assert_allclose(d.along, 0.0, atol=1e-6)
-    assert np.all(d.least <= d.miss + 1e-9)
-    assert np.all(d.least >= d.miss - 0.1 - 1e-6)
+    assert np.all(d.least() <= d.miss[:FLOWN] + 1e-9)
+    assert np.all(d.least() >= d.miss[:FLOWN] - 0.1 - 1e-6)
 
 
 def assert_symmetric(values):

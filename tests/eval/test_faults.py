@@ -107,6 +107,7 @@ def test_it_ends_an_evaluation(broken):
         evaluate("none", episodes=8, progress=False)
 
 
+@pytest.mark.slow
 def test_a_worker_passes_it_on(monkeypatch):
     """The policy raises it, as the world of a worker would: it is no fault of the policy's."""
     with pytest.raises(NotFiniteError, match=SENTENCE):

@@ -180,6 +180,7 @@ def in_a_daemon(_):
     return scored(workers=2)
 
 
+@pytest.mark.slow
 def test_a_daemon_process_flies_everything_itself(alone):
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         assert same(pool.map(in_a_daemon, [0])[0], alone)

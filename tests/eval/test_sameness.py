@@ -126,6 +126,7 @@ def test_a_policy_that_gives_no_actions_ends_the_run(name, words):
         assert word in sentence
 
 
+@pytest.mark.slow
 def test_a_policy_that_raises_in_a_worker_is_named():
     with pytest.raises(PolicyError, match=r"flyers:Raiser.*lost the way"):
         flown(["flyers:Raiser"], episodes=20, workers=2)
@@ -144,6 +145,7 @@ def test_an_object_that_cannot_be_sent_is_one_sentence():
     flown({"mine": flyers.Locked()}, episodes=5)
 
 
+@pytest.mark.slow
 def test_an_object_that_cannot_be_loaded_by_a_worker_is_one_sentence():
     with pytest.raises(PolicyError, match=r"cannot be loaded in a worker.*no module named 'private'"):
         flown({"mine": flyers.Elsewhere()}, episodes=20, workers=2)
@@ -251,6 +253,7 @@ def test_a_killed_run_leaves_neither_scores_nor_workers(started, tmp_path):
     assert os.listdir(tmp_path / "new" / "run") == ["scores.json"]
 
 
+@pytest.mark.slow
 @linux
 def test_a_worker_that_dies_ends_the_run(started, tmp_path):
     command, flying = started("flyers:Exit", 2)

@@ -59,6 +59,7 @@ def test_cases_differ():
     assert {True, False} == {collision for case in FROZEN.values() for collision in case["collisions"]}
 
 
+@pytest.mark.slow
 def test_without_vector_units():
     """NumPy's dispatched loops off: none of them reaches a trajectory."""
     features = [name for name in core.__cpu_dispatch__ if core.__cpu_features__[name]]

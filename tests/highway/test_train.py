@@ -15,6 +15,8 @@ from rss_gym.params import ParamsError
 from rss_gym.train import recipe as recipes
 from rss_gym.train import run as runs
 
+pytestmark = pytest.mark.slow
+
 SHORT = "algorithm.n_steps=8 algorithm.batch_size=16 algorithm.n_epochs=1 validation.episodes=1 vec.n_envs=2".split()
 SHORT += "imitation.episodes=1 imitation.epochs=1 imitation.critic_steps=16 validation.every_steps=16".split()
 ROAD = RoadParams.of()

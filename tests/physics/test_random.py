@@ -186,6 +186,7 @@ def test_tables_close():
     assert tail + rectangle == pytest.approx(random._AREA, rel=1e-14)
 
 
+@pytest.mark.slow
 def test_normals_follow_the_normal_law(normals):
     x = normals.ravel()
     assert stats.kstest(x, "norm").pvalue > 1e-3

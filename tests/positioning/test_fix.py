@@ -33,6 +33,7 @@ def test_exact_without_noise(count, axes):
     assert got.ambiguous.all() if count == axes else not got.ambiguous.any()  # three nodes always share a plane
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "axes"), SHAPES)
 def test_least_squares_of_scipy(count, axes):
     """30 noisy fixes with unequal weights: no start of SciPy's solver, out of ten, finds a smaller misfit."""
@@ -164,6 +165,7 @@ def test_moving_nodes_are_one_epoch_at_a_time():
     assert still.position_m == pytest.approx(position, abs=1e-5)
 
 
+@pytest.mark.slow
 @given(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))
 def test_agrees_with_the_worlds_kernel(x, y):
     """In the nodes' horizontal plane, three ranges 1-2 m wrong: the kernel after 30 steps finds the same minimum."""

@@ -45,6 +45,7 @@ def test_standard_errors_are_those_of_the_scatter(fits, name):
     assert inside >= binom.ppf(0.001, 300, 0.9), inside / 300
 
 
+@pytest.mark.slow
 def test_false_alarms_of_the_misfit(fits):
     """On noise that is of the model p is below 5 % in about 5 % of the records (binomial, 0.1 % each side of 3-7 %)."""
     alarms = sum(fit.misfit < 0.05 for fit in fits[1])

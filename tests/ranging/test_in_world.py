@@ -216,6 +216,7 @@ def test_filter_of_the_intruders_range_is_filterpys(name):
     assert with_message > 300  # psi was in use, or with ranges alone deliberately not
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", [{"agent": "gnss"}, {"intruders": 2, "planar": False}])
 def test_filters_of_the_nodes_ranges_are_filterpys(sides):
     params = Params.of(decision_s=0.1, **sides)

@@ -74,6 +74,7 @@ def test_the_disturbance_has_the_deviation_that_is_asked_for(changes):
     assert products == pytest.approx(imitation.CORRELATION, abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "more",
     [{}, {"vec.stack": 2, "vec.normalise_observation": True}, {"vec.normalise_reward": False}],

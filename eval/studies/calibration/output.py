@@ -41,15 +41,15 @@ def check_outputs(out: str | os.PathLike[str], report: str | os.PathLike[str] | 
     folder = Path(name).absolute().parent
     if not os.access(folder, os.W_OK) or not os.path.isdir(folder):
         raise ParamsError(f"channel file {name!r} cannot be written: {str(folder)!r} is not a folder to write to")
+    if report is not None:
+        require_figures()
+        if Path(name).resolve().is_relative_to(check_new(report).resolve()):
+            raise ParamsError(f"channel file {name!r} must lie outside the report's folder {os.fspath(report)!r}")
     if os.path.lexists(name):
         try:
             load_channel(Path(name).absolute())
         except ParamsError as error:
             raise ParamsError(f"file {name!r} exists and is not a channel; name a new one") from error
-    if report is not None:
-        require_figures()
-        if Path(name).resolve().is_relative_to(check_new(report).resolve()):
-            raise ParamsError(f"channel file {name!r} must lie outside the report's folder {os.fspath(report)!r}")
 
 
 def save(result: Calibration, out: str | os.PathLike[str], report: str | os.PathLike[str] | None = None) -> None:

@@ -111,6 +111,7 @@ def test_each_fault_by_itself_changes_no_row(flights, tmp_path, name):
         np.testing.assert_allclose(other.range_rate_mps, one.range_rate_mps, atol=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["plain", "all"])
 def test_raw_logs_range_as_well_as_clean_ones(flights, by_hand, tmp_path, name):
     paths = [Telemetry(flight, **FAULTS[name]).write(tmp_path / f"{k}.tlog") for k, flight in enumerate(flights)]

@@ -289,6 +289,7 @@ CELL = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(edits=st.lists(st.tuples(st.integers(0, ROWS), st.integers(0, 6), CELL), max_size=3))
 def test_any_cell_is_read_or_refused(scratch, edits):
     header = ["t", "rss", "x", "y", "z", "x2", "y2"]
