@@ -14,6 +14,7 @@ from rss_gym.physics.random import uniform
 from rss_gym.ranging import COLOURED, LEAST_SQUARES, WHITE, WHITE_R, coloured, inverse, white
 from rss_gym.streams import MAX_INTRUDERS, STREAM_LOSS
 
+EKF_CEILING_M = 1e5  # a filter beyond it has diverged: the longest flight is shorter
 LS_CEILING_M = 1000.0  # least squares inverts a deep fade to any distance; beyond this it says nothing
 
 coloured_start, coloured_predict, coloured_update = coloured.start, coloured.predict, coloured.update
@@ -148,6 +149,7 @@ def estimate_coloured(config, block, link):
                 d, phi, p_dd, p_dp, p_pp, rss,
                 block.offset_dbm[r], block.path_loss_factor[r], block.white_variance_db2[r], floor_m,
             )  # fmt: skip
+        d = min(d, EKF_CEILING_M)
         link.range_m[r], link.coloured_hat_db[r] = d, phi
         link.p_dd[r], link.p_dp[r], link.p_pp[r] = p_dd, p_dp, p_pp
         link.rate_mps[r] += gain * ((d - before_m) / t - link.rate_mps[r])
@@ -165,6 +167,7 @@ def estimate_white(config, block, link):
         if rss >= block.sensitivity_dbm[r]:
             total = block.white_variance_db2[r] + share * block.coloured_variance_db2[r]
             d, p_dd = white_update(d, p_dd, rss, block.offset_dbm[r], block.path_loss_factor[r], total, floor_m)
+        d = min(d, EKF_CEILING_M)
         link.range_m[r], link.p_dd[r] = d, p_dd
         link.rate_mps[r] += gain * ((d - before_m) / t - link.rate_mps[r])
 

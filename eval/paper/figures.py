@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rss_gym.eval.paper import collisions, errors, rule, signal, variants, zone
+from rss_gym.eval.paper import collisions, contrast, errors, rule, scan, signal, variants, zone
 from rss_gym.eval.paper.panel import Panel
 from rss_gym.eval.paper.study import Study
 
@@ -17,6 +17,8 @@ FIGURES: dict[str, Callable[[Study], Panel]] = {
     "8": errors.paths,
     "9": errors.distance,
     "11a": variants.noise,
+    "11a-scan": scan.scan,
+    "11a-radios": contrast.contrast,
     "11b": variants.path_loss_factor,
     "11c": variants.velocity,
     "12": collisions.collisions,

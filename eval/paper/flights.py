@@ -48,32 +48,33 @@ class PaperFlight:
         return self.position_m / self.distance_m[:, None]
 
 
-def paper_flights() -> tuple[PaperFlight, ...]:
-    """The twelve flights: north, east, south and west at 10, 20 and 30 m, cruising at 2 to 5 m/s."""
+def paper_flights(pace: float = 1.0) -> tuple[PaperFlight, ...]:
+    """The twelve flights: north, east, south and west at 10, 20 and 30 m, cruising at 2 to 5 m/s times `pace`."""
     names = ("north", "east", "south", "west")
     speeds = np.linspace(*SPEEDS_MPS, 12).reshape(3, 4)
     return tuple(
-        _flight(f"{name}, {altitude:g} m", 90.0 * k, altitude, speed)
+        _flight(f"{name}, {altitude:g} m", 90.0 * k, altitude, speed, pace)
         for altitude, row in zip((10.0, 20.0, 30.0), speeds, strict=True)
         for k, (name, speed) in enumerate(zip(names, row, strict=True))
     )
 
 
-def tuning_flights() -> tuple[PaperFlight, ...]:
+def tuning_flights(pace: float = 1.0) -> tuple[PaperFlight, ...]:
     """Eight others, on which the filters are tuned: the directions between, at 15 and 25 m, other speeds."""
     speeds = np.linspace(2.2, 4.8, 8).reshape(2, 4)
     return tuple(
-        _flight(f"{45 + 90 * k}°, {altitude:g} m", 45.0 + 90.0 * k, altitude, speed)
+        _flight(f"{45 + 90 * k}°, {altitude:g} m", 45.0 + 90.0 * k, altitude, speed, pace)
         for altitude, row in zip((15.0, 25.0), speeds, strict=True)
         for k, speed in enumerate(row)
     )
 
 
-def _flight(name: str, bearing_deg: float, altitude_m: float, cruise_mps: float) -> PaperFlight:
+def _flight(name: str, bearing_deg: float, altitude_m: float, cruise_mps: float, pace: float) -> PaperFlight:
     reach = sqrt(REACH_M**2 - altitude_m**2) - NEAR_M
     out_s = reach / cruise_mps + cruise_mps / ACCELERATION_MPS2
-    time = np.arange(0.0, 2.0 * out_s + 3.0 * HOVER_S, PERIOD_S)
-    gone = _leg(time - HOVER_S, reach, cruise_mps) - _leg(time - 2.0 * HOVER_S - out_s, reach, cruise_mps)
+    time = np.arange(0.0, (2.0 * out_s + 3.0 * HOVER_S) / pace, PERIOD_S)
+    own_s = pace * time  # the same path, at another pace
+    gone = _leg(own_s - HOVER_S, reach, cruise_mps) - _leg(own_s - 2.0 * HOVER_S - out_s, reach, cruise_mps)
     along, bearing = NEAR_M + gone, radians(bearing_deg)
     position = np.column_stack([along * cos(bearing), along * sin(bearing), np.full(len(time), altitude_m)])
     assert hypot(reach + NEAR_M, altitude_m) <= REACH_M + 1e-9

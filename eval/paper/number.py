@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike
 from rss_gym.eval.intervals import Interval
 from rss_gym.params import ParamsError
 
-Role = Literal["reproduced", "calibrated", "by construction", "claim"]
+Role = Literal["reproduced", "calibrated", "by construction", "claim", "beside"]
 Relation = Literal["equals", "at least", "at most"]
 
 ROLES: tuple[str, ...] = get_args(Role)
 RELATIONS: tuple[str, ...] = get_args(Relation)
+UNCOUNTED: tuple[str, ...] = ("calibrated", "beside")
 MIDDLE = (0.025, 0.975)  # the middle 95 % of repetitions
 
 
@@ -37,7 +38,8 @@ class Number:
         What came out, with a 95 % confidence interval or the middle 95 % of repetitions: see `over` and `exact`.
     role : str
         "calibrated": used to choose the channel, so it says nothing and counts nowhere. "by construction": it follows
-        from how the paper counts. "claim": a claim in words.
+        from how the paper counts. "claim": a claim in words. "beside": measured under conditions that are not the
+        paper's, to show what they change; it agrees with nothing and counts nowhere.
     unit : str
         Empty for a pure number.
     relation : str
@@ -81,7 +83,7 @@ class Number:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether what was seen meets the relation; None for a calibrated number."""
+        """Whether what was seen meets the relation; None for a number that is not counted."""
         return self.to_dict()["agrees"]
 
     def to_dict(self) -> dict[str, Any]:
@@ -104,13 +106,13 @@ class Number:
 
 
 def agrees(fields: dict[str, Any]) -> bool | None:
-    """The criterion, from the fields of `paper.json` alone; None for a calibrated number.
+    """The criterion, from the fields of `paper.json` alone; None for a number that is not counted.
 
     "equals": the paper's figure lies in the interval widened by the tolerance. "at least", "at most": the whole
     interval is on the right side of the threshold, to within the tolerance.
     """
     paper, low, high, tolerance = (fields[name] for name in ("paper", "low", "high", "tolerance"))
-    if fields["role"] == "calibrated":
+    if fields["role"] in UNCOUNTED:
         return None
     if fields["relation"] == "equals":
         return bool(low - tolerance <= paper <= high + tolerance)
@@ -134,5 +136,5 @@ def counts(numbers: Sequence[Number]) -> dict[str, tuple[int, int]]:
     return {
         role: (sum(bool(n.agrees) for n in numbers if n.role == role), sum(n.role == role for n in numbers))
         for role in ROLES
-        if role != "calibrated"
+        if role not in UNCOUNTED
     }

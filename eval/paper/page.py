@@ -32,6 +32,7 @@ SIZES = {
     "trials": "trials counted",
     "approaches": "approaches flown",
     "pairs": "pairs of trajectories",
+    "scan": "repetitions on each radio of the scan",
 }
 
 
@@ -146,7 +147,10 @@ def _reading(study: Study) -> str:
             "confidence interval where trials are counted. <strong>agrees</strong> is computed: the paper's figure "
             "lies in the bracket widened by the tolerance after ±; of a claim, the whole bracket is on the stated "
             "side of the threshold. A figure that the paper gives as “about 4 m” has a tolerance of a tenth.",
-            "A <strong>calibrated</strong> number was used to choose the channel preset and says nothing. A number "
+            "A number <strong>beside</strong> was measured under conditions that are not the paper's, to show "
+            "what they "
+            "change. A <strong>calibrated</strong> number was used to choose the channel preset and says "
+            "nothing. A number "
             "<strong>by construction</strong> follows from how it is counted.",
             "Each filter has a process noise of its own, tuned alike on eight other flights under other noise (table "
             "under Run).",

@@ -34,9 +34,10 @@ class Size(Group):
     trials: int = number(100_000_000, 1000, 2**31)
     approaches: int = number(1_000_000, 100, 10**8)
     pairs: int = number(1_000, 10, 10**6)
+    scan: int = number(8, 1, 1_000)  # repetitions of the twelve flights on each channel of the scan
 
 
-QUICK = Size(repetitions=40, tuning=10, circular=4, allan=10, trials=2_000_000, approaches=20_000, pairs=200)
+QUICK = Size(repetitions=40, tuning=10, circular=4, allan=10, trials=2_000_000, approaches=20_000, pairs=200, scan=2)
 
 
 @dataclass(frozen=True)
@@ -110,22 +111,22 @@ def tuning_of(noise_m2_ps: float) -> Tuning:
 class Study:
     """What the figures draw on, computed when first asked for; the same seed and size give the same numbers."""
 
-    def __init__(self, size: Size, seed: int = 0) -> None:
-        """Keep the size and the seed."""
-        self.size, self.seed = size, seed
-        self.channel = load_channel("paper")
+    def __init__(self, size: Size, seed: int = 0, channel: Channel | str = "paper", pace: float = 1.0) -> None:
+        """Keep the size and the seed, the channel, and the pace of the flights."""
+        self.size, self.seed, self.pace = size, seed, pace
+        self.channel = load_channel(channel)
         self._noise: dict[str, float] = {}
         self._errors: dict[str, Floats] = {}
 
     @cached_property
     def flown(self) -> FlownLogs:
         """The twelve flights."""
-        return FlownLogs.of(paper_flights(), self.channel, self.size.repetitions, self.seed)
+        return FlownLogs.of(paper_flights(self.pace), self.channel, self.size.repetitions, self.seed)
 
     @cached_property
     def others(self) -> FlownLogs:
         """The eight flights for tuning, under noise of their own."""
-        return FlownLogs.of(tuning_flights(), self.channel, self.size.tuning, self.seed + 1)
+        return FlownLogs.of(tuning_flights(self.pace), self.channel, self.size.tuning, self.seed + 1)
 
     def noise_m2_ps(self, name: str) -> float:
         """Var(w) per second of a method: of the grid, what errs least at 80 % on the flights for tuning."""
@@ -142,6 +143,14 @@ class Study:
         if name not in self._errors:
             self._errors[name] = self.flown.errors_m(METHODS[name], self.channel, self.noise_m2_ps(name))
         return self._errors[name]
+
+    def p80_untuned_m(self) -> Floats:
+        """(k,): the same of the white filter with R alone and the process noise of the coloured one.
+
+        "The other parameters were the same for both", says the paper.
+        """
+        errors = self.flown.errors_m(METHODS["white-r"], self.channel, self.noise_m2_ps("coloured"))
+        return np.quantile(errors, 0.8, axis=1)
 
     def p80_m(self, name: str) -> Floats:
         """(k,): the error that 80 % of a repetition's samples stay within."""

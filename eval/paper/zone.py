@@ -78,7 +78,7 @@ def zone(study: Study) -> Panel:
                 paper=COHERENCE_MS[speed],
                 seen=exact(1000.0 * float(coherence_s(speed, carrier))),
                 unit="ms",
-                role="reproduced",
+                role="reproduced" if label == "2.5" else "beside",
                 tolerance=0.005,
                 note=note,
             )

@@ -159,33 +159,46 @@ def _starts(nodes: Floats, ranges: Floats, prior: Floats | None) -> list[Floats]
     if nodes.shape[1] > nodes.shape[2]:
         reach = 10.0 * (ranges.max(axis=1, keepdims=True) + spread[:, :1])
         starts.append(np.clip(linear, -reach, reach))
+        # More ranges than unknowns that do not fit together leave more minima: some of them lie to the sides.
+        side = np.sqrt(np.mean(ranges**2, axis=1))[:, None]
+        starts += [turn * side * np.eye(nodes.shape[-1])[k] for k in range(nodes.shape[-1]) for turn in (-1.0, 1.0)]
     out = [middle[:, 0] + np.einsum("ni,nij->nj", start, rows) for start in starts]
     return out if prior is None else [*out, prior]
 
 
 def _descend(nodes: Floats, ranges: Floats, weights: Floats, position: Floats) -> Floats:
-    """The minimum of the misfit below each beginning."""
+    """The minimum of the misfit below each beginning; epochs that have arrived are left out of the further steps."""
+    found = position.copy()
+    going = np.arange(len(position))
     damping = np.full(len(position), 1e-6)
     misfit = _misfit(nodes, ranges, weights, position)
-    identity = np.eye(nodes.shape[-1])
     for _ in range(STEPS):
-        directions, distance = _directions(nodes, position)
-        slope = np.einsum("nj,njd->nd", weights * (ranges - distance), directions)
-        outer = directions[..., :, None] * directions[..., None, :]
-        bend = (weights * (ranges / distance - 1.0))[..., None, None] * (identity - outer)
-        curvature, axes = np.linalg.eigh(np.sum(weights[..., None, None] * outer - bend, axis=1))
-        # Absolute values make a step go downhill where the misfit curves downwards.
-        steepness = np.abs(curvature) + damping[:, None] * np.sum(weights, axis=1, keepdims=True)
-        step = np.einsum("ndi,ni->nd", axes, np.einsum("ndi,nd->ni", axes, slope) / steepness)
+        step = _step(nodes, ranges, weights, position, damping)
         trial = position + step
         next_misfit = _misfit(nodes, ranges, weights, trial)
         better = next_misfit < misfit
         position = np.where(better[:, None], trial, position)
         misfit = np.where(better, next_misfit, misfit)
         damping = np.clip(np.where(better, 0.1 * damping, 10.0 * damping), 1e-15, 1e9)
-        if np.all(np.linalg.norm(step, axis=1) <= 1e-13 * (1.0 + np.linalg.norm(position, axis=1))):
+        found[going] = position
+        left = np.linalg.norm(step, axis=1) > 1e-13 * (1.0 + np.linalg.norm(position, axis=1))
+        if not left.any():
             break
-    return position
+        if not left.all():
+            nodes, ranges, weights, position = nodes[left], ranges[left], weights[left], position[left]
+            damping, misfit, going = damping[left], misfit[left], going[left]
+    return found
+
+
+def _step(nodes: Floats, ranges: Floats, weights: Floats, position: Floats, damping: Floats) -> Floats:
+    """(n, D): Newton's step, downhill also where the misfit curves downwards, as its curvatures enter by their size."""
+    directions, distance = _directions(nodes, position)
+    slope = np.einsum("nj,njd->nd", weights * (ranges - distance), directions)
+    outer = directions[..., :, None] * directions[..., None, :]
+    bend = (weights * (ranges / distance - 1.0))[..., None, None] * (np.eye(nodes.shape[-1]) - outer)
+    curvature, axes = np.linalg.eigh(np.sum(weights[..., None, None] * outer - bend, axis=1))
+    steepness = np.abs(curvature) + damping[:, None] * np.sum(weights, axis=1, keepdims=True)
+    return np.einsum("ndi,ni->nd", axes, np.einsum("ndi,nd->ni", axes, slope) / steepness)
 
 
 def _choose(

@@ -3,9 +3,29 @@
 Both (12) and (15) misprint the sign: here h(c) = offset - 10 gamma log10 d + phi throughout.
 """
 
+from math import sqrt
+
 from rss_gym.jit import kernel
 from rss_gym.physics.elementary import exp
 from rss_gym.physics.path_loss import LN10, received_dbm, slope_db_pm
+
+CANCELLED = 1e-6  # share of a variance below which the difference that gives it has lost its digits
+VARIANCE_MIN, CORRELATION_MAX = 1e-12, 1.0 - 1e-9
+
+
+@kernel(inline="always")
+def positive(p_dd, p_dp, p_pp):
+    """A covariance that rounding has made indefinite as the nearest that is not; any other as it is.
+
+    The Joseph form keeps it positive definite up to rounding, which wins where the variances of the two states, or of
+    the state and the measurement, differ by sixteen digits. A `p_pp` of 0 is that of a filter without coloured noise.
+    """
+    if p_dd < VARIANCE_MIN or (p_pp != 0.0 and (p_pp < VARIANCE_MIN or p_dd * p_pp <= p_dp * p_dp)):
+        p_dd = max(p_dd, VARIANCE_MIN)
+        p_pp = max(p_pp, VARIANCE_MIN) if p_pp != 0.0 else 0.0
+        bound = CORRELATION_MAX * (sqrt(p_dd) * sqrt(p_pp))
+        p_dp = min(max(p_dp, -bound), bound)
+    return p_dd, p_dp, p_pp
 
 
 @kernel(inline="always")
@@ -26,6 +46,11 @@ def start(prior_m, prior_std_m, coloured_variance_db2, rss_dbm, offset_dbm, path
     innovation = rss_dbm - received_dbm(offset_dbm, path_loss_factor, prior_m * prior_m)
     d = prior_m * exp(k_x * innovation)
     x_xx, x_xp, x_pp = p_xx - k_x * h * p_xx, -k_x * p_pp, p_pp - k_p * p_pp
+    if x_xx <= CANCELLED * p_xx or (p_pp > 0.0 and x_pp <= CANCELLED * p_pp):
+        # The same without a difference of large numbers.
+        x_xx = p_xx * ((p_pp + white_variance_db2) / innovation_variance)
+        x_pp = p_pp * ((h * p_xx * h + white_variance_db2) / innovation_variance)
+        x_xx, x_xp, x_pp = positive(x_xx, x_xp, x_pp)
     return d, k_p * innovation, d * d * x_xx, d * x_xp, x_pp
 
 
@@ -69,4 +94,5 @@ def update(d, phi, p_dd, p_dp, p_pp, rss_dbm, offset_dbm, path_loss_factor, whit
     p_dd = m_dd * i_dd + m_dp * i_dp + k_d * r * k_d
     p_dp = m_dd * i_pd + m_dp * i_pp + k_d * r * k_p
     p_pp = m_pd * i_pd + m_pp * i_pp + k_p * r * k_p
+    p_dd, p_dp, p_pp = positive(p_dd, p_dp, p_pp)
     return max(d, floor_m), phi, p_dd, p_dp, p_pp

@@ -14,6 +14,12 @@ invert = inverse.invert
 
 
 @inner
+def bounded(d, setting):
+    """The range within its floor, as in the world, and its ceiling, beyond which no filter can find back."""
+    return min(max(d, setting.range_floor_m), setting.range_ceiling_m)
+
+
+@inner
 def range_prior(setting):
     """diag(range prior, S), or nothing known where the literal start reads the first sample."""
     if setting.literal:
@@ -39,14 +45,14 @@ def literal(rss_dbm, setting):
 
 @inner
 def start_coloured(state, rss_dbm, setting):
-    """`coloured.start`, the range held above its floor; literally d(0) of the first sample, phi(0) = 0 and P(0) = I."""
+    """`coloured.start`, the range bounded; literally d(0) of the first sample, phi(0) = 0 and P(0) = I."""
     if setting.literal:
         return literal(rss_dbm, setting), 0.0, 1.0, 0.0, 1.0
     d, phi, p_dd, p_dp, p_pp = coloured_start(
         setting.prior_range_m, setting.prior_std_m, state[4], rss_dbm,
         setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2,
     )  # fmt: skip
-    return max(d, setting.range_floor_m), phi, p_dd, p_dp, p_pp
+    return bounded(d, setting), phi, p_dd, p_dp, p_pp
 
 
 @inner
@@ -58,27 +64,28 @@ def start_white(state, rss_dbm, setting):
 
 @inner
 def predict_coloured(state, psi_m, process_noise_m2, a, sigma_w2, setting):
-    """`coloured.predict`, the range held above its floor as in the world."""
+    """`coloured.predict`, the range bounded."""
     d, phi, p_dd, p_dp, p_pp = state
     d, phi, p_dd, p_dp, p_pp = coloured_predict(d, phi, p_dd, p_dp, p_pp, psi_m, process_noise_m2, a, sigma_w2)
-    return max(d, setting.range_floor_m), phi, p_dd, p_dp, p_pp
+    return bounded(d, setting), phi, p_dd, p_dp, p_pp
 
 
 @inner
 def predict_white(state, psi_m, process_noise_m2, a, sigma_w2, setting):
-    """`white.predict`, the range held above its floor as in the world."""
+    """`white.predict`, the range bounded."""
     d, p_dd = white_predict(state[0], state[2], psi_m, process_noise_m2)
-    return max(d, setting.range_floor_m), 0.0, p_dd, 0.0, 0.0
+    return bounded(d, setting), 0.0, p_dd, 0.0, 0.0
 
 
 @inner
 def update_coloured(state, rss_dbm, setting):
     """`coloured.update` of `state` (d, phi, p_dd, p_dp, p_pp) by one sample (dBm)."""
     d, phi, p_dd, p_dp, p_pp = state
-    return coloured_update(
+    d, phi, p_dd, p_dp, p_pp = coloured_update(
         d, phi, p_dd, p_dp, p_pp, rss_dbm,
         setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2, setting.range_floor_m,
     )  # fmt: skip
+    return bounded(d, setting), phi, p_dd, p_dp, p_pp
 
 
 @inner
@@ -88,7 +95,7 @@ def update_white(state, rss_dbm, setting):
         state[0], state[2], rss_dbm,
         setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2, setting.range_floor_m,
     )  # fmt: skip
-    return d, 0.0, p_dd, 0.0, 0.0
+    return bounded(d, setting), 0.0, p_dd, 0.0, 0.0
 
 
 @inner

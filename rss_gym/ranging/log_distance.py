@@ -6,10 +6,16 @@ psi enters as psi / d to first order; the logarithm is what the range d + psi gi
 psi = 0 this is a linear Kalman filter. The process noise w is relative: its variance has no unit.
 """
 
+from math import sqrt
+
 from rss_gym.jit import inner, kernel
 from rss_gym.physics.elementary import exp, log
 from rss_gym.physics.path_loss import LN10
+from rss_gym.ranging import coloured
 from rss_gym.ranging.batch import filter_records
+
+positive = coloured.positive
+VARIANCE_MAX = 1e4  # of ln d: a factor of e^100 either way, which is nothing known
 
 
 @kernel(inline="always")
@@ -65,9 +71,19 @@ def update(x, phi, p_xx, p_xp, p_pp, rss_dbm, offset_dbm, path_loss_factor, whit
 
 
 @inner
+def bounded(x, phi, p_xx, p_xp, p_pp, setting):
+    """The range within its floor and ceiling, the covariance positive definite and not larger than says anything."""
+    x = min(max(x, log(setting.range_floor_m)), log(setting.range_ceiling_m))
+    if p_xx > VARIANCE_MAX:
+        p_xx, p_xp = VARIANCE_MAX, p_xp * sqrt(VARIANCE_MAX / p_xx)
+    p_xx, p_xp, p_pp = positive(p_xx, p_xp, p_pp)
+    return x, phi, p_xx, p_xp, p_pp
+
+
+@inner
 def prior(setting):
     """State (ln d, phi) and covariance before the first sample, as `filter_records` takes them."""
-    relative = setting.prior_std_m / setting.prior_range_m
+    relative = min(setting.prior_std_m / setting.prior_range_m, sqrt(VARIANCE_MAX))
     return log(setting.prior_range_m), 0.0, relative * relative, 0.0, setting.coloured_variance_db2
 
 
@@ -75,17 +91,21 @@ def prior(setting):
 def predict_state(state, psi_m, process_noise, a, sigma_w2, setting):
     """`predict` of `state` (ln d, phi, p_xx, p_xp, p_pp)."""
     x, phi, p_xx, p_xp, p_pp = state
-    return predict(x, phi, p_xx, p_xp, p_pp, psi_m, process_noise, a, sigma_w2, setting.range_floor_m)
+    x, phi, p_xx, p_xp, p_pp = predict(
+        x, phi, p_xx, p_xp, p_pp, psi_m, process_noise, a, sigma_w2, setting.range_floor_m
+    )
+    return bounded(x, phi, p_xx, p_xp, p_pp, setting)
 
 
 @inner
 def update_state(state, rss_dbm, setting):
     """`update` of `state` by one sample (dBm)."""
     x, phi, p_xx, p_xp, p_pp = state
-    return update(
+    x, phi, p_xx, p_xp, p_pp = update(
         x, phi, p_xx, p_xp, p_pp, rss_dbm,
         setting.offset_dbm, setting.path_loss_factor, setting.white_variance_db2, setting.range_floor_m,
     )  # fmt: skip
+    return bounded(x, phi, p_xx, p_xp, p_pp, setting)
 
 
 @inner

@@ -76,6 +76,25 @@ def test_process_noise_is_the_best_of_the_grid(result):
         assert GRID[0] < getattr(tuning, method.tuned) < GRID[-1]
 
 
+def test_a_tuning_that_ends_at_its_grid_is_noted(flown):
+    rated = [flown(500, seed, rated=True) for seed in range(2)]
+    result = calibrate(rated[:1], rated[1:])
+    noise = result.tunings["ekf-coloured-rate"].process_noise_rate_m2_ps
+    assert noise == GRID[0]  # the velocities are exact
+    (note,) = (note for note in result.notes if "grid" in note)
+    assert "coloured EKF, with range rate" in note
+    assert "the least of its grid, 1e-08 a second: less may be better" in note
+    assert "white EKF, R + S;" not in note
+
+
+def test_no_range_is_beyond_ten_times_the_longest_distance(flown, truth):
+    fitted, faded = flown(500, 1), flown(500, 2)
+    faded = dataclasses.replace(faded, rss_dbm=np.where(np.arange(500) % 100 < 30, -180.0, faded.rss_dbm))
+    result = calibrate([fitted], [faded])
+    for score in result.scores.values():
+        assert score.ranges_m[0].max() <= 10.0 * fitted.distance_m.max() + 1e-9
+
+
 def test_range_rate_needs_velocities_everywhere(flown):
     rated, bare = flown(300, 1, rated=True), flown(300, 2)
     assert list(available([rated, rated])) == list(methods())

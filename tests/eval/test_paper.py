@@ -2,7 +2,9 @@
 
 import json
 import math
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,13 +14,16 @@ from hypothesis import strategies as st
 from rss_gym.cli import main
 from rss_gym.eval import paper
 from rss_gym.eval.intervals import Interval
-from rss_gym.eval.paper import page
+from rss_gym.eval.paper import page, scan
 from rss_gym.eval.paper.flights import PERIOD_S, paper_flights, tuning_flights
 from rss_gym.eval.paper.number import RELATIONS, ROLES, Number, agrees, counts, exact, over
+from rss_gym.eval.paper.recorded import recorded
 from rss_gym.eval.paper.study import METHODS, Study
 from rss_gym.params import ParamsError
 
-SMALL = paper.Size(repetitions=6, tuning=2, circular=1, allan=3, trials=200_000, approaches=1_000, pairs=20)
+SMALL = paper.Size(repetitions=6, tuning=2, circular=1, allan=3, trials=200_000, approaches=1_000, pairs=20, scan=1)
+ROOT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("RSS_GYM_DATA") or ROOT.parent / "shared" / "data")
 FIELDS = {
     "id": str, "what": str, "paper": float, "measured": float, "low": float, "high": float, "n": int, "unit": str,
     "role": str, "relation": str, "tolerance": float, "note": str,
@@ -65,7 +70,8 @@ def test_agreement_is_recomputed_from_the_fields(entries):
             "at least": entry["low"] >= entry["paper"] - entry["tolerance"],
             "at most": entry["high"] <= entry["paper"] + entry["tolerance"],
         }[entry["relation"]]
-        assert entry["agrees"] is (None if entry["role"] == "calibrated" else verdict), entry["id"]
+        uncounted = entry["role"] in ("calibrated", "beside")
+        assert entry["agrees"] is (None if uncounted else verdict), entry["id"]
 
 
 def test_what_does_not_agree_has_a_reason(entries):
@@ -87,9 +93,48 @@ def test_counting_finds_what_it_must(entries):
         assert entry["role"] == "by construction" and entry["low"] <= 0.2**n <= entry["high"]
 
 
-def test_least_squares_is_calibrated_and_counts_nowhere(small, entries):
-    assert entries["fig10-ls"]["role"] == "calibrated" and entries["fig10-ls"]["agrees"] is None
-    assert sum(total for _, total in counts(small.numbers).values()) == len(entries) - 1
+def test_least_squares_and_the_allan_slope_are_calibrated_and_count_nowhere(small, entries):
+    calibrated = {name for name, entry in entries.items() if entry["role"] == "calibrated"}
+    assert calibrated == {"fig10-ls", "fig3-rise-paper"}
+    beside = {name for name, entry in entries.items() if entry["role"] == "beside"}
+    assert {"fig11a-white", "fig11a-white-r", "scan-tuned", "outdoor-coloured"} <= beside
+    assert all(entries[name]["agrees"] is None for name in calibrated | beside)
+    assert sum(total for _, total in counts(small.numbers).values()) == len(entries) - len(calibrated | beside)
+
+
+def test_every_number_of_the_paper_that_is_reproduced(entries):
+    tests = {"fig10-ekf", "fig10-gain", "fig11a-white-same", "fig11a-gain-same", "fig11c-velocity", "fig11c-gain"}
+    reproduced = {name: entry for name, entry in entries.items() if entry["role"] == "reproduced"}
+    assert tests < set(reproduced) and len(reproduced) >= 14
+    assert all(entry["agrees"] for entry in reproduced.values()), [n for n, e in reproduced.items() if not e["agrees"]]
+
+
+def test_the_factor_of_two_is_that_of_the_same_process_noise(small):
+    found = {(p.ratio, p.tc_s): p for p in scan.points(SMALL, 3, small.study.channel) if p.pace == 1.0}
+    assert found[64.0, 0.15].factor > 1.7 and found[1.0, 5.0].factor < 1.2
+    assert 0.8 < np.median([point.tuned for point in found.values()]) < 1.1
+    assert scan.slope(64.0, 0.5) > 0.0 > scan.slope(1.0, 0.05) and scan.slope(1e-9, 1.0) == pytest.approx(
+        -1.0, abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("pace", [0.5, 2.0])
+def test_another_pace_is_the_same_path(pace):
+    for one, other in zip(paper_flights(), paper_flights(pace), strict=True):
+        k = np.arange(0, len(one.time_s), 10)
+        at = np.round(one.time_s[k] / pace / PERIOD_S, 6)
+        whole = (at == np.round(at)) & (at < len(other.time_s))
+        np.testing.assert_allclose(other.position_m[at[whole].astype(int)], one.position_m[k[whole]], atol=1e-9)
+
+
+def test_recorded_logs_show_the_pattern_of_the_paper(monkeypatch):
+    monkeypatch.setenv("RSS_GYM_DATA", "nowhere")
+    assert recorded(0) is None
+    if not (DATA / "wifi_walk").is_dir():
+        pytest.skip(f"no recorded logs at {DATA}; set RSS_GYM_DATA to the folder that holds wifi_walk")
+    monkeypatch.setenv("RSS_GYM_DATA", str(DATA))
+    p80_m = {name: values[0] for name, values in recorded(0).p80_m.items()}
+    assert p80_m == pytest.approx({"ls": 7.8, "white-same": 6.6, "white": 3.4, "coloured": 3.3}, abs=0.1)
 
 
 def test_what_too_few_approaches_cannot_show_has_no_number(entries):

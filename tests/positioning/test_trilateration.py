@@ -107,3 +107,29 @@ def test_more_steps_converge_to_the_minimum():
         best = least_squares(residuals, position[:2], xtol=1e-14, ftol=1e-14, gtol=1e-14)
         x, y, _ = trilaterate(_nodes(triple), tuple(ranges), (1.0,) * 3, 20.0, 30)
         assert (x, y) == pytest.approx(tuple(best.x), abs=1e-5)
+
+
+def test_the_minimum_for_ten_thousand_random_geometries():
+    """Nodes anywhere, ranges 2 % or 30 % wrong: no descent of SciPy from several beginnings ends lower."""
+    rng = np.random.default_rng(7)
+    count, lower = 10_000, 0
+    for k in range(count):
+        nodes = np.column_stack([rng.uniform(-200.0, 200.0, (3, 2)), rng.uniform(0.0, 15.0, 3)])
+        position = np.array([*rng.uniform(-250.0, 250.0, 2), rng.uniform(5.0, 60.0)])
+        exact = np.linalg.norm(nodes - position, axis=1)
+        ranges = np.maximum(exact * (1.0 + rng.choice([0.02, 0.3]) * rng.standard_normal(3)), 0.3)
+        stds = (0.1 + 0.02 * ranges) * rng.uniform(0.5, 2.0, 3)
+
+        def residuals(xy, nodes=nodes, ranges=ranges, stds=stds, altitude=position[2]):
+            return (np.linalg.norm(nodes - [*xy, altitude], axis=1) - ranges) / stds
+
+        x, y, _ = trilaterate(tuple(nodes), tuple(ranges), tuple(stds**2), position[2], STEPS)
+        ours = float(np.sum(residuals((x, y)) ** 2))
+        if k % 20 == 0:  # SciPy takes its time: from three beginnings in one of twenty
+            starts = [position[:2], *(nodes[:, :2].mean(axis=0) + rng.normal(0.0, 200.0, (2, 2)))]
+            assert ours <= 2.0 * min(least_squares(residuals, start).cost for start in starts) * (1.0 + 1e-6) + 1e-9
+        # A grid over the area, whose best point is refined by nobody, must nowhere lie below.
+        grid = rng.uniform(-500.0, 500.0, (40, 2))
+        apart = np.linalg.norm(np.column_stack([grid, np.full(40, position[2])])[:, None] - nodes, axis=2)
+        lower += bool((np.sum(((apart - ranges) / stds) ** 2, axis=1) < ours * (1.0 - 1e-9)).any())
+    assert lower == 0

@@ -11,7 +11,7 @@ from rss_gym.calibration.links import separate
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.eval.studies.calibration.compare import EstimatorScore, compare
 from rss_gym.eval.studies.calibration.methods import Method, available
-from rss_gym.eval.studies.calibration.tune import tune
+from rss_gym.eval.studies.calibration.tune import at_the_edge, tune
 from rss_gym.params import ParamsError
 from rss_gym.ranging.track import Tuning
 
@@ -84,7 +84,8 @@ def calibrate(fitted: Sequence[LogRecord], tested: Sequence[LogRecord] = (), not
     methods = available([*found.records, *kept])
     tunings = tune(found, methods)
     scores = compare(found, kept, methods, tunings)
-    return Calibration(found, kept, own_logs, methods, tunings, scores, (*notes, *renamed, *_notes(found, tested)))
+    remarks = [*_notes(found, tested), *at_the_edge(methods, tunings)]
+    return Calibration(found, kept, own_logs, methods, tunings, scores, (*notes, *renamed, *remarks))
 
 
 def _part(record: LogRecord, part: slice) -> LogRecord:

@@ -20,7 +20,7 @@ _CEILING_RATIO = 10.0
 def tune(fit: Fit, methods: Mapping[str, Method]) -> dict[str, Tuning]:
     """Every method's process noise per second, each found by itself, the white filters like the others.
 
-    Ranges by least squares are held below ten times the longest distance of the fitted part.
+    Ranges are held below ten times the longest distance of the fitted part.
     """
     longest_m = max(float(record.distance_m.max()) for record in fit.records)
     untuned = Tuning(range_ceiling_m=min(max(_CEILING_RATIO * longest_m, 10.0), 1e6), window_s=WINDOW_S)
@@ -32,6 +32,23 @@ def tune(fit: Fit, methods: Mapping[str, Method]) -> dict[str, Tuning]:
             tuning = min(candidates, key=lambda candidate: _criterion(fit, method, candidate))
         tunings[name] = tuning
     return tunings
+
+
+def at_the_edge(methods: Mapping[str, Method], tunings: Mapping[str, Tuning]) -> list[str]:
+    """A sentence for each end of `GRID` at which a tuning ended: the best process noise may lie beyond it."""
+    notes = []
+    for noise, end, more in ((GRID[0], "least", "less"), (GRID[-1], "largest", "more")):
+        titles = [
+            method.title
+            for name, method in methods.items()
+            if method.tuned is not None and getattr(tunings[name], method.tuned) == float(noise)
+        ]
+        if titles:
+            notes.append(
+                f"the process noise of {'; '.join(titles)} was tuned to the {end} of its grid, {noise:.0e} a second: "
+                f"{more} may be better"
+            )
+    return notes
 
 
 def _criterion(fit: Fit, method: Method, tuning: Tuning) -> float:
