@@ -87,6 +87,22 @@ def test_a_link_at_one_distance_is_left_out(flown):
     assert "must vary" in fit([flown(600), still]).excluded["still"]
 
 
+def test_an_error_of_the_noise_names_log_and_link(flown):
+    record = flown(60, source="may/a.csv")
+    pairs = dataclasses.replace(record, time_s=np.repeat(np.arange(30.0), 2) + np.tile([0.0, 0.001], 30))
+    with pytest.raises(ParamsError, match=r"log 'may/a.csv', link 'a': the noise cannot be told from the times"):
+        fit([pairs])
+
+
+def test_rounding_is_found_over_all_files_of_a_link(flown, truth):
+    step = 1.0 / 1.9
+    records = [flown(80, seed, source=f"{seed}.csv", channel=truth.replace(quantisation_db=step)) for seed in range(6)]
+    written = [dataclasses.replace(one, rss_dbm=np.round(one.rss_dbm, 2)) for one in records]
+    assert fit(written).channel.quantisation_db == pytest.approx(step, abs=2e-3)
+    unrounded = flown(2000, 7, link="b", channel=truth.replace(quantisation_db=0.0))
+    assert fit([unrounded]).channel.quantisation_db == 0.0
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_short_record_is_told(flown, truth, seed):
     found = fit([flown(300, seed, channel=truth.replace(coloured_tc_s=20.0))])

@@ -75,7 +75,7 @@ def _take(telemetry: Telemetry, vehicles: Counter[tuple[int, int]], number: int,
         sender = f"{system}/{message.get_srcComponent()}"
         # Both messages carry these fields; equal ones are one report.
         mark = message.noise + 256.0 * (message.remnoise + 256.0 * (message.rxerrors + 65536.0 * message.fixed))
-        telemetry.report(sender, time_s, (rssi, remote), mark, number)
+        telemetry.report(sender, time_s, (rssi, remote), mark, number, float(kind == "RADIO"))
     elif kind == "HOME_POSITION":
         telemetry.homes.extend((time_s, message.latitude * 1e-7, message.longitude * 1e-7, message.altitude * 1e-3))
     elif kind == "GLOBAL_POSITION_INT":

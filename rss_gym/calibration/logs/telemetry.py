@@ -30,7 +30,8 @@ from rss_gym.params import ParamsError
 
 GAP_MAX_S = 2.0  # between the positions on both sides of a radio report
 HEIGHT_M, STILL_MPS = 2.0, 1.0  # an aircraft below both stands on the ground
-COPY_S = 0.5  # between two messages that carry one report
+COPY_S = 0.5  # between two kinds of message that carry one report
+TWIN_S = 0.05  # between two packets of one kind that came by two ways
 _COPIES = 0.8  # share of a sender's reports that another sent too
 _BACK_S = 1e-6
 
@@ -51,7 +52,7 @@ class Telemetry:
     links : tuple of str
         What the two powers of a report are.
     reports : dict of str to array
-        By sender: time, both powers in dBm, whatever tells a copy from another report, number of the message.
+        By sender: time, both powers in dBm, whatever tells a copy from another report, number and kind of the message.
     positions : dict of str to array
         By vehicle: time, latitude, longitude, altitude, velocity east, north, up (NaN where there is none), height
         above home (NaN where there is none).
@@ -71,10 +72,12 @@ class Telemetry:
     landed: array[float] = field(default_factory=lambda: array("d"))
     notes: list[str] = field(default_factory=list)
 
-    def report(self, sender: str, time_s: float, powers: tuple[float, float], mark: float, number: float) -> None:
+    def report(
+        self, sender: str, time_s: float, powers: tuple[float, float], mark: float, number: float, kind: float = 0.0
+    ) -> None:
         """Keep a report of both ends' RSS."""
-        self.reports[sender].extend((time_s, *powers, mark, number))
-        self._bound(self.reports[sender], 5)
+        self.reports[sender].extend((time_s, *powers, mark, number, kind))
+        self._bound(self.reports[sender], 6)
 
     def position(
         self, vehicle: str, time_s: float, place: tuple[float, float, float], velocity: tuple[float, float, float],
@@ -181,13 +184,13 @@ class Telemetry:
         return table[np.diff(table[:, 0], prepend=-np.inf) > 0.0]
 
     def _rising(self, track: Floats) -> dict[str, Floats]:
-        return {sender: np.frombuffer(values).reshape(-1, 5) for sender, values in self.reports.items() if len(values)}
+        return {sender: np.frombuffer(values).reshape(-1, 6) for sender, values in self.reports.items() if len(values)}
 
     def _copies_marked(self, reports: dict[str, Floats]) -> dict[str, tuple[Floats, NDArray[np.bool_]]]:
         """Every sender's reports, and which of them repeat another message of the same report.
 
-        Within a sender, a report of the same numbers within half a second. A sender most of whose reports another
-        sent too, within half a second, only passed them on: it is left out.
+        Within a sender, a report of the same numbers in another kind of message within half a second, or in the same
+        kind within a twentieth. A sender most of whose reports another sent too only passed them on: it is left out.
         """
         kept: dict[str, tuple[Floats, NDArray[np.bool_]]] = {}
         for sender, table in sorted(reports.items(), key=lambda item: -len(item[1])):
@@ -195,29 +198,10 @@ class Telemetry:
             if passed is not None:
                 self.notes.append(f"sender {sender} passes on the reports of {passed}: its {len(table)} are left out")
                 continue
-            copy = np.zeros(len(table), bool)
-            last: dict[tuple[float, ...], float] = {}
-            for k, row in enumerate(table.tolist()):
-                key = tuple(row[1:4])
-                copy[k] = 0.0 <= row[0] - last.get(key, -np.inf) < COPY_S
-                if not copy[k]:
-                    last[key] = row[0]
-            kept[sender] = (table, self._unless_fast(table, copy))
+            kept[sender] = (table, _copies(table))
         if len(kept) > 1:
             self.notes.append(f"{len(kept)} senders report the radio: a link for each")
         return kept
-
-    @staticmethod
-    def _unless_fast(table: Floats, copy: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Equal numbers close together are no copies where the radio reports that often anyway."""
-        if not copy.any():
-            return copy
-        others = table[~copy, 0]
-        interval_s = float(np.median(np.diff(others))) if len(others) > 2 else 1.0
-        if interval_s >= COPY_S:
-            return copy
-        close = np.diff(table[:, 0], prepend=-np.inf) < 0.4 * interval_s
-        return copy & close
 
     def _homes_at(self, at_s: Floats, track: Floats, options: ReadOptions) -> Floats:
         """(n, 3): where the ground station is at each time."""
@@ -279,6 +263,19 @@ class Telemetry:
         reason[_at(self.landed, at_s, 0.0) > 0.5] = ON_GROUND
         reason[_at(self.armed, at_s, 1.0) < 0.5] = NOT_ARMED
         return reason
+
+
+def _copies(table: Floats) -> NDArray[np.bool_]:
+    """(n,) whether a report repeats one before it."""
+    copy = np.zeros(len(table), bool)
+    last: dict[tuple[float, ...], tuple[float, float]] = {}
+    for k, (time_s, *values, _, kind) in enumerate(table.tolist()):
+        key = tuple(values)
+        before_s, other = last.get(key, (-np.inf, kind))
+        copy[k] = 0.0 <= time_s - before_s < (COPY_S if other != kind else TWIN_S)
+        if not copy[k]:
+            last[key] = time_s, kind
+    return copy
 
 
 def _speeds(at_s: Floats, track: Floats) -> Floats:

@@ -20,7 +20,7 @@ ELSEWHERE = (HOME[0] + 4e-4, HOME[1] + 3e-4, HOME[2])
 class Telemetry:
     """A telemetry log of a flight with the faults that are asked for."""
 
-    def __init__(self, flight, upside_down=False, senders=1, both=False, moved=False, scale=1e6, fields=1):
+    def __init__(self, flight, upside_down=False, senders=1, both=False, moved=False, scale=1e6, varied=1):
         self.packets = []
         vehicle = dialect.MAVLink(None, srcSystem=1, srcComponent=1)
         end_s = flight.time_s[-1]
@@ -47,7 +47,7 @@ class Telemetry:
             radio = dialect.MAVLink(None, srcSystem=51 + number, srcComponent=68)
             for k, t in enumerate(flight.time_s):
                 rssi, remote = (sik_raw(value - FAR_DB * number) for value in flight.rss_dbm[:, k])
-                values = (rssi, remote, 100, 40 + k % 9, 40 + k % 7, k % 60_000, 0)
+                values = (rssi, remote, 100, 40 + k % 9 * varied, 40 + k % 7 * varied, k % 60_000 * varied, 0)
                 self.add(t + 0.01 + 0.003 * number, radio, dialect.MAVLink_radio_status_message(*values))
                 if both:
                     self.add(t + 0.012 + 0.003 * number, radio, dialect.MAVLink_radio_message(*values))
@@ -151,6 +151,14 @@ def test_copies_of_a_report_count_once(flights, tmp_path):
     once = read(Telemetry(flights[0]).write(tmp_path / "b.tlog"))
     assert [item.time_s.size for item in found] == [item.time_s.size for item in once]
     assert found[0].reasons["a copy of another report"] == flights[0].time_s.size
+
+
+def test_equal_reports_in_a_row_are_no_copies(tmp_path):
+    flight = fly("outdoor", 60.0, 10.0)
+    flight.rss_dbm[:] = np.round(flight.rss_dbm / 12.0) * 12.0  # hardly ever another value
+    found = read(Telemetry(flight, both=True, varied=0).write(tmp_path / "a.tlog"), whole=True)
+    assert found[0].time_s.size > 0.98 * flight.time_s.size
+    assert found[0].reasons["a copy of another report"] == flight.time_s.size
 
 
 def test_places_beside_0_0_and_jumps_are_left_out(flights, tmp_path):
