@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rss_gym.calibration.logs import LogRecord, read
+from rss_gym.eval.studies.calibration import raw
 from rss_gym.eval.studies.calibration.calibrate import Calibration, calibrate
 from rss_gym.eval.studies.calibration.compare import FIGURES
 from rss_gym.eval.studies.calibration.text import cell
@@ -82,5 +83,6 @@ def run(options: argparse.Namespace) -> Iterator[Part]:
             raise ParamsError(
                 f"folder {str(options.data)!r} has no folder {name!r}; name the one that holds {', '.join(SETS)}"
             )
+    yield Part(raw.table(), "docs/calibration.md", mark="raw")
     tables = "\n\n".join(table(calibrated(options.data, name), name) for name in SETS)
     yield Part(tables, "docs/calibration.md", mark="errors")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+import shutil
+import tempfile
 from array import array
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -22,9 +25,34 @@ _KEYS = frozenset((*LOCAL, *GLOBAL, "rss", "dist", "rate", "vx", "vy", "vz", "vx
 _NAVSAT = {"lat": "latitude", "lon": "longitude", "alt": "altitude"}
 
 
+# How a bag begins, and the suffix by which rosbags tells it.
+_BEGINNINGS = {b"#ROSBAG V2.0": ".bag", b"\x89MCAP0\r\n": ".mcap", b"SQLite format 3\0": ".db3"}
+
+
 def is_bag(head: bytes) -> bool:
     """Whether a file begins as a bag of ROS 1, or as MCAP or SQLite."""
-    return head.startswith((b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\0"))
+    return head.startswith(tuple(_BEGINNINGS))
+
+
+@contextlib.contextmanager
+def _suffixed(path: Path) -> Iterator[Path]:
+    """The bag under a name with the suffix of its content: rosbags goes by the name, readers here do not."""
+    if path.is_dir():
+        yield path
+        return
+    with path.open("rb") as file:
+        head = file.read(16)
+    suffix = next((end for begin, end in _BEGINNINGS.items() if head.startswith(begin)), path.suffix)
+    if path.suffix == suffix:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        link = Path(folder) / f"log{suffix}"
+        try:
+            link.symlink_to(path.absolute())
+        except OSError:  # no symbolic links on this system
+            shutil.copyfile(path, link)
+        yield link
 
 
 def read_bag(path: Path, options: ReadOptions) -> LogFile:
@@ -47,7 +75,7 @@ def read_bag(path: Path, options: ReadOptions) -> LogFile:
             "reading ROS bags needs rosbags, which is not installed: pip install 'rss-gym[ros]'"
         ) from error
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+        with _suffixed(path) as named, AnyReader([named], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
             topics = {connection.topic: connection.msgtype for connection in bag.connections}
             wanted = _wanted(options, topics, _fields(bag))
             values = dict(_values(bag, wanted, path.name))

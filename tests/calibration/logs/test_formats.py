@@ -51,6 +51,15 @@ def test_rows_on_the_ground_are_left_out_unless_wanted(flight, written, format):
     assert whole.time_s.size > first.time_s.size + 170
 
 
+@pytest.mark.parametrize("format", ["mavlink", "dataflash", "ulog", "rosbag", "mcap", "edgetx"])
+def test_the_name_does_not_tell_the_format(written, tmp_path, format):
+    path, options = written(format)
+    other = tmp_path / "log.csv"
+    other.write_bytes(path.read_bytes())
+    for one, two in zip(read(path, **options), read(other, **options), strict=True):
+        np.testing.assert_array_equal(one.rss_dbm, two.rss_dbm)
+
+
 def test_a_span_of_time(written):
     path, options = written("mavlink")
     (first, *_) = read(path, from_s=60.0, to_s=100.0, **options)
