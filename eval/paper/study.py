@@ -34,7 +34,7 @@ class Size(Group):
     trials: int = number(100_000_000, 1000, 2**31)
     approaches: int = number(1_000_000, 100, 10**8)
     pairs: int = number(1_000, 10, 10**6)
-    scan: int = number(8, 1, 1_000)  # repetitions of the twelve flights on each channel of the scan
+    scan: int = number(20, 1, 1_000)  # repetitions of the twelve flights on each channel of the scan
 
 
 QUICK = Size(repetitions=40, tuning=10, circular=4, allan=10, trials=2_000_000, approaches=20_000, pairs=200, scan=2)

@@ -38,6 +38,7 @@ from rss_gym.params import ParamsError
 LINE_MAX = 65_536  # characters
 LINKS_MAX = 1000
 NAME_MAX = 60
+TIME_MAX_S = 1e11  # on either side of 0: beyond, steps of the clock are lost in rounding
 NOTHING = frozenset(("", "na", "n/a", "null", "none", "nan", "-", "--"))  # a cell that says that there is no value
 _PLAIN = re.compile(r"([-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?)\s*(?:dBm|dB|m|ms|s)?$", re.IGNORECASE)
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
@@ -244,6 +245,8 @@ class Table:
                 self.file.notes.append(f"time is taken as {unit}: {why}; name another by --time-unit")
             for values in links.values():
                 values["t"] *= TIME_UNITS[unit]
+        for values in links.values():
+            values["t"][np.abs(values["t"]) > TIME_MAX_S] = math.nan
         self.file.format += f", time in {unit}"
 
     def _armed(self, values: dict[str, Floats]) -> None:
