@@ -136,8 +136,26 @@ class Sac(Hyperparameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pathwise(Hyperparameters):
+    """Of `rss_gym.train.pathwise`.
+
+    Parameters
+    ----------
+    learning_rate : Schedule
+    softness_m : float
+        Width of the logistic functions that stand for the steps of the cost at an sNMAC and a collision.
+    gradient_limit_m : float
+        Greatest gradient of a flight's cost by the action of one decision.
+    """
+
+    learning_rate: Schedule = field(default=Schedule(3e-3), metadata=within(1e-8, 1.0))
+    softness_m: float = number(1.5, 0.01, 100.0)
+    gradient_limit_m: float = number(20.0, 1e-3, 1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PpoNetwork(Hyperparameters):
-    """Actor and critic of PPO, each with these layers."""
+    """Actor and critic of PPO, each with these layers; `pathwise` learns the actor alone."""
 
     net_arch: tuple[int, ...] = units(64, 64)
     activation: str = choice("tanh", Activation)
@@ -189,7 +207,7 @@ class Vec(Group):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imitation(Group):
-    """What the actor of PPO learns from a scripted rule before its own training; nothing where `episodes` is zero.
+    """What the actor learns from a scripted rule before its own training; nothing where `episodes` is zero.
 
     The rows are flown by the rule, disturbed so that states off its path are seen too, and the actor is fitted to the
     rule's actions, by least squares or, where these are discrete, least cross-entropy.
@@ -250,11 +268,12 @@ class Algorithm:
     module: str
     name: str
     policy_name: str
-    hyperparameters: type[Ppo | Sac]
+    hyperparameters: type[Ppo | Sac | Pathwise]
     network: type[PpoNetwork | SacNetwork]
 
 
 ALGORITHMS: dict[str, Algorithm] = {
+    "pathwise": Algorithm("rss_gym.train.pathwise", "Pathwise", "MlpPolicy", Pathwise, PpoNetwork),
     "ppo": Algorithm("stable_baselines3", "PPO", "MlpPolicy", Ppo, PpoNetwork),
     "recurrent-ppo": Algorithm("sb3_contrib", "RecurrentPPO", "MlpLstmPolicy", RecurrentPpo, RecurrentNetwork),
     "sac": Algorithm("stable_baselines3", "SAC", "MlpPolicy", Sac, SacNetwork),

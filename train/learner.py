@@ -76,7 +76,7 @@ class Learner:
                 norm_reward=vec.normalise_reward,
                 clip_obs=vec.clip_observation,
                 clip_reward=vec.clip_reward,
-                gamma=recipe.hyperparameters.gamma,
+                gamma=getattr(recipe.hyperparameters, "gamma", 1.0),  # `pathwise` has no discount
             )
         model = getattr(importlib.import_module(kind.module), kind.name)(
             kind.policy_name,

@@ -27,15 +27,15 @@ class Masked(VecEnvWrapper):
     def __init__(self, venv: VecEnv, zeroed: str, params: Params) -> None:
         super().__init__(venv)
         width: Any = venv.observation_space.shape
-        self._kept = kept(zeroed, params, width[0] // len(domain_of(params).fields(params)))
+        self.kept = kept(zeroed, params, width[0] // len(domain_of(params).fields(params)))
 
     def reset(self) -> np.ndarray:
         """Start an episode in every row."""
-        return np.asarray(self.venv.reset()) * self._kept
+        return np.asarray(self.venv.reset()) * self.kept
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Fly one decision."""
         observations, rewards, dones, infos = self.venv.step_wait()
         for row in np.flatnonzero(dones):
-            infos[row]["terminal_observation"] = infos[row]["terminal_observation"] * self._kept
-        return np.asarray(observations) * self._kept, rewards, dones, infos
+            infos[row]["terminal_observation"] = infos[row]["terminal_observation"] * self.kept
+        return np.asarray(observations) * self.kept, rewards, dones, infos

@@ -17,12 +17,13 @@ from rss_gym import baselines
 from rss_gym.baselines.policy import Scripted
 from rss_gym.domain import ROAD, Domain, domain_of_id
 from rss_gym.ids import IDS, ROADS
-from rss_gym.params import Params, ParamsError, load_channel, suggestion
+from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.plain_files import read_toml
 from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
     Imitation,
+    Pathwise,
     Ppo,
     PpoNetwork,
     Sac,
@@ -36,7 +37,7 @@ FOLDER = Path(__file__).parent / "recipes"
 STEPS_MAX = 10**12
 SIZE_MAX = 65536  # bytes
 SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
-IMITATORS = ("ppo",)
+IMITATORS = ("pathwise", "ppo")
 HEAD = ("summary", "algorithm", "env", "steps")
 
 
@@ -76,7 +77,7 @@ class Recipe:
     steps: int
     world: dict[str, Any]
     vec: Vec
-    hyperparameters: Ppo | Sac
+    hyperparameters: Ppo | Sac | Pathwise
     policy: PpoNetwork | SacNetwork
     imitation: Imitation
     curriculum: tuple[Stage, ...]
@@ -111,6 +112,8 @@ class Recipe:
                     f"[algorithm]: batch_size must divide n_steps * n_envs = {total}, got "
                     f"{self.hyperparameters.batch_size}"
                 )
+        if self.algorithm == "pathwise" and (self.vec.stack > 1 or self.vec.normalise_observation):
+            raise ParamsError("[vec]: pathwise needs stack = 1 and normalise_observation = false")
         if self.imitation.episodes:
             if self.algorithm not in IMITATORS:
                 raise ParamsError(
@@ -303,8 +306,7 @@ def _world(table: Mapping[str, Any]) -> dict[str, Any]:
     """The parameters, with channels as numbers: a recipe that is kept must not change with a file it named."""
     world = dict(table)
     if "channel" in world:
-        channels = world["channel"] if isinstance(world["channel"], list) else [world["channel"]]
-        world["channel"] = [load_channel(channel).to_dict() for channel in channels]
+        world["channel"] = [channel.to_dict() for channel in Params.of(channel=world["channel"]).channels]
     return world
 
 

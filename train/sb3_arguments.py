@@ -8,10 +8,10 @@ from typing import Any
 from stable_baselines3.common.utils import LinearSchedule
 from torch import nn
 
-from rss_gym.train.hyperparameters import Ppo, PpoNetwork, Sac, SacNetwork, Schedule
+from rss_gym.train.hyperparameters import Pathwise, Ppo, PpoNetwork, Sac, SacNetwork, Schedule
 
 
-def arguments(table: Ppo | Sac) -> dict[str, Any]:
+def arguments(table: Ppo | Sac | Pathwise) -> dict[str, Any]:
     """Keywords of the algorithm."""
     found: dict[str, Any] = {}
     for item in dataclasses.fields(table):

@@ -210,3 +210,9 @@ def test_other_algorithms_have_their_own_keys():
             load(name, {"imitation.episodes": 10})
     with pytest.raises(ParamsError, match="shared_lstm"):
         load("recurrent-ppo", {"policy.shared_lstm": True})
+
+
+def test_a_recipe_draws_radios_as_the_world_does():
+    drawn = load("ppo", {"world.channel": "radios"})
+    assert drawn.params.channels == Params.of(channel="radios").channels
+    assert from_dict("again", drawn.to_dict()).params == drawn.params

@@ -1,0 +1,122 @@
+"""Flights of a policy with everything that their gradient needs, and that gradient.
+
+Notation: x_n is the agent's state before step n, a_n the action, K_n = da_n/dx_n through the observation, J the cost.
+
+    dJ/da_n = dc_n/da_n + B_n^T l_(n+1),        l_n = dc_n/dx_n + A_n^T l_(n+1) + K_n^T dJ/da_n
+
+with A_n and B_n the derivatives of x_(n+1) by x_n and a_n, and c_n the part of the cost that step n makes: its deviation
+over the length of the flight, and the smooth price of the least separation if it is reached in this step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from rss_gym.core import Batch
+from rss_gym.sensitivity import StepRecorder, StepSensitivity, observation_sensitivity
+from rss_gym.train.pathwise.actor import with_jacobian
+from rss_gym.train.pathwise.price import SmoothPrice
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One decision of the rows that were still flying.
+
+    Attributes
+    ----------
+    rows : (m,) int array
+    observations : (m, d) float32 tensor
+        As the actor saw them.
+    actions : (m, A) array
+        Mean actions, not clipped.
+    feedback : (m, A, S) array
+        K: derivative of the clipped action by the agent's state.
+    step : StepSensitivity
+        Of these rows.
+    """
+
+    rows: np.ndarray
+    observations: torch.Tensor
+    actions: np.ndarray
+    feedback: np.ndarray
+    step: StepSensitivity
+
+
+def fly(batch: Batch, policy: object, kept: np.ndarray) -> list[Decision]:
+    """Fly the next episode of every row to its end, by mean actions, and through collisions.
+
+    A flight that a collision ended would not show how deep it went, and its least separation would hang on the tick.
+
+    Parameters
+    ----------
+    batch : Batch
+    policy : ActorCriticPolicy
+    kept : (d,) float32 array
+        One for the fields that the actor sees, zero for the others.
+    """
+    everything, axes = np.ones(batch.n, bool), 2 if batch.params.encounter.planar else 3
+    batch.state.config["collision_m"] = 0.0
+    batch.reset(everything)
+    recorder, flying, decisions = StepRecorder(batch), everything.copy(), list[Decision]()
+    while flying.any():
+        rows = np.flatnonzero(flying)
+        seen = torch.from_numpy(batch.observations[rows] * kept)
+        means, jacobian = with_jacobian(policy, seen)
+        slopes = torch.from_numpy(observation_sensitivity(batch, rows) * kept)
+        feedback = torch.bmm(jacobian, slopes.transpose(1, 2)).numpy().astype(np.float64)
+        wanted = means.numpy().astype(np.float64)
+        feedback[np.abs(wanted) > 1.0] = 0.0
+        actions = np.zeros((batch.n, 3))
+        actions[rows, :axes] = np.clip(wanted, -1.0, 1.0)
+        recorder.remember()
+        batch.step(actions, flying)
+        decisions.append(Decision(rows, seen, wanted, feedback, recorder.differentiate(actions, rows)))
+        flying &= ~(batch.episode["terminated"] | batch.episode["truncated"])
+    return decisions
+
+
+def gradient(
+    batch: Batch, decisions: list[Decision], price: SmoothPrice, limit_m: float
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """Observations (N, d) of all decisions and dJ/da (N, A), m, of the flights that `fly` has returned.
+
+    `limit_m` bounds the length of each decision's gradient, and ten times as much that of l.
+    """
+    size = decisions[0].step.state.shape[1]
+    least, last = least_separation(batch.n, decisions)
+    slope, length = price.slope(least), batch.episode["ticks"].astype(np.float64)
+    forward = np.zeros((batch.n, size))  # l of the next step
+    observations, gradients = [], []
+    for number in range(len(decisions) - 1, -1, -1):
+        now = decisions[number]
+        rows, step = now.rows, now.step
+        weight = batch.params.reward.deviation_price / length[rows, None]
+        near = np.where(last[rows] == number, slope[rows], 0.0)[:, None]
+        total = weight * step.deviation_slope + near * step.least_slope
+        total += np.einsum("nij,nj->ni", step.state_slope, forward[rows])
+        by_action = bounded(total[:, size:], limit_m)
+        beyond = np.abs(now.actions) > 1.0  # only a way back changes anything
+        by_action[beyond & (np.sign(now.actions) == -np.sign(by_action))] = 0.0
+        back = total[:, :size] + np.einsum("nas,na->ns", now.feedback, total[:, size:])
+        forward[rows] = bounded(back, 10.0 * limit_m)
+        observations.append(now.observations)
+        gradients.append(torch.from_numpy(by_action.astype(np.float32)))
+    return torch.cat(observations), torch.cat(gradients)
+
+
+def least_separation(n: int, decisions: list[Decision]) -> tuple[np.ndarray, np.ndarray]:
+    """Least separation of each row's flight, m, and the number of the decision in which it is reached; shape (n,)."""
+    least, last = np.full(n, np.inf), np.zeros(n, np.int64)
+    for number, decision in enumerate(decisions):
+        nearer = decision.step.least_m < least[decision.rows]
+        least[decision.rows[nearer]], last[decision.rows[nearer]] = decision.step.least_m[nearer], number
+    return least, last
+
+
+def bounded(vectors: np.ndarray, limit: float) -> np.ndarray:
+    """Vectors (n, k), the longer ones shortened to `limit`."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors * np.minimum(1.0, limit / np.maximum(lengths, 1e-12))
