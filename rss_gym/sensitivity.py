@@ -1,7 +1,7 @@
 """How a step depends on the agent's own state and action: differences of the world's own kernels.
 
-The agent's state x is its position, velocity and commanded way point: S = 6 numbers in the plane, 9 in space. Every lane
-of a block flies the same step from a slightly different x or action; intruders and gusts are the same in all. What the
+The agent's state x is its position, velocity and commanded way point: S = 6 numbers in the plane, 9 in space. The lanes
+of a block fly the same step from slightly different x or actions; intruders and gusts are the same in all. What the
 agent knows depends on x as well: its solution moves with it, and a track and its range move the other way. The errors
 of solutions, ranges and tracks are held as they are.
 """
@@ -17,12 +17,15 @@ from rss_gym.core import Batch
 from rss_gym.jit import kernel
 from rss_gym.lanes import load_aircraft
 from rss_gym.observation import transform, write
-from rss_gym.physics.geometry import least_square_separation
 from rss_gym.state import AIRCRAFT, AIRCRAFT_LANES, BLOCK, CONTACT_LANES, EPISODE, RANGES
 from rss_gym.world import advance_clock, move_aircraft
 
 DIFFERENCE = 0.05  # m, m/s, or share of the speed limit
 PARTS = 3  # of the state: position, velocity, way point
+EVENTS = ("snmac", "collision")
+"""What the two separations are for. That of an sNMAC is below its horizontal limit where both of its limits are
+undercut: the greater of the horizontal distance and of the height, scaled by the ratio of the limits, at the ticks.
+That of a collision is the distance itself, between the ticks too."""
 
 
 class StepSensitivity(NamedTuple):
@@ -36,11 +39,10 @@ class StepSensitivity(NamedTuple):
         Derivative of the state after the step by each input.
     deviation_slope : (n, S + A) array
         Of the distance from the predefined trajectory, summed over the ticks of the step, m.
-    least_m : (n,) array
-        Least separation from any intruder in the step, m; in space heights count as much more as the vertical limit of
-        an sNMAC is smaller than the horizontal one.
-    least_slope : (n, S + A) array
-        Of that.
+    least_m : (n, 2) array
+        Least separations from any intruder in the step, m: by `EVENTS`.
+    least_slope : (n, S + A, 2) array
+        Of these.
     """
 
     state: np.ndarray
@@ -83,8 +85,8 @@ class StepRecorder:
             np.empty((m, size)),
             np.empty((m, inputs, size)),
             np.empty((m, inputs)),
-            np.empty(m),
-            np.empty((m, inputs)),
+            np.empty((m, len(EVENTS))),
+            np.empty((m, inputs, len(EVENTS))),
         )
         _differentiate(
             state.config[0], *self._scratch, self._before, state.aircraft, state.episode, self._ticks, rows,
@@ -111,8 +113,8 @@ def _differentiate(
     """Fly the step of each row once more on 1 + S + A lanes, the first as it was, and take differences to it."""
     size = PARTS * axes
     e, block_ = episode[0], block[0]
-    stretch = 1.0 if axes == 2 else config.snmac_horizontal_m / config.snmac_vertical_m
-    least = np.empty(1 + size + axes)
+    stretch = config.snmac_horizontal_m / config.snmac_vertical_m
+    least = np.empty((1 + size + axes, 2))
     for i in range(len(rows)):
         row = rows[i]
         present = 1 + episodes[row].intruders
@@ -122,7 +124,7 @@ def _differentiate(
             for axis in range(3):  # the gusts of the step were drawn at its start
                 aircraft[a].gust_mps[axis] = after[row, a].gust_mps[axis]
         for r in range(block_.rows):
-            least[r] = inf
+            least[r, 0] = least[r, 1] = inf
             block_.deviation_m[r] = block_.deviation_max_m[r] = block_.flown_m[r] = 0.0
             for a in range(present):
                 load_aircraft(lanes[a], r, aircraft[a])
@@ -142,13 +144,12 @@ def _differentiate(
                     advance_clock(config, e, aircraft[a], lanes[a], r)
             move_aircraft(config, block_, lanes, contacts)
             for k in range(present - 1):
-                p, v = contacts[k].relative_m, contacts[k].relative_mps
+                p = contacts[k].relative_m
                 for r in range(block_.rows):
-                    square = least_square_separation(
-                        p[0, r], p[1, r], p[2, r] * stretch, v[0, r], v[1, r], v[2, r] * stretch, config.tick_s
-                    )
-                    least[r] = min(least[r], sqrt(square))
-        found.least_m[i] = least[0]
+                    level = sqrt(p[0, r] * p[0, r] + p[1, r] * p[1, r])
+                    least[r, 0] = min(least[r, 0], max(level, stretch * abs(p[2, r])))
+                    least[r, 1] = min(least[r, 1], contacts[k].least_m[r])
+        found.least_m[i, 0], found.least_m[i, 1] = least[0, 0], least[0, 1]
         for axis in range(axes):
             found.state[i, axis] = lanes[0].position_m[axis, 0]
             found.state[i, axes + axis] = lanes[0].velocity_mps[axis, 0]
@@ -156,7 +157,8 @@ def _differentiate(
         for j in range(size + axes):
             r, step = 1 + j, DIFFERENCE if j < size else inwards(actions[row, j - size])
             found.deviation_slope[i, j] = (block_.deviation_m[r] - block_.deviation_m[0]) / step
-            found.least_slope[i, j] = (least[r] - least[0]) / step
+            for event in range(2):
+                found.least_slope[i, j, event] = (least[r, event] - least[0, event]) / step
             for axis in range(axes):
                 found.state_slope[i, j, axis] = (lanes[0].position_m[axis, r] - found.state[i, axis]) / step
                 found.state_slope[i, j, axes + axis] = (

@@ -87,15 +87,16 @@ def test_slopes_are_differences_of_whole_flights(name):
     assert np.corrcoef(deviation, last)[0, 1] > 0.98  # |u - u^d| has a kink where it is zero
 
 
-def test_the_least_separation_is_that_of_the_episode_in_the_plane():
-    params = WORLDS["plane"]
+@pytest.mark.parametrize("name", ["plane", "space"])
+def test_the_least_distance_is_that_of_the_episode(name):
+    params = WORLDS[name]
     batch = started(params)
     recorder, flying, least = StepRecorder(batch), np.ones(ROWS, bool), np.full(ROWS, np.inf)
     while flying.any():
         rows = np.flatnonzero(flying)
         recorder.remember()
         batch.step(np.zeros((ROWS, 3)), flying)
-        least[rows] = np.minimum(least[rows], recorder.differentiate(np.zeros((ROWS, 3)), rows).least_m)
+        least[rows] = np.minimum(least[rows], recorder.differentiate(np.zeros((ROWS, 3)), rows).least_m[:, 1])
         flying &= ~(batch.episode["terminated"] | batch.episode["truncated"])
     np.testing.assert_array_equal(least, batch.episode["min_separation_m"])
 

@@ -15,7 +15,7 @@ from rss_gym.sb3 import make_vec_env  # noqa: E402
 from rss_gym.train import recipe, run  # noqa: E402
 from rss_gym.train.pathwise import Pathwise  # noqa: E402
 from rss_gym.train.pathwise.actor import mean_actions, with_jacobian  # noqa: E402
-from rss_gym.train.pathwise.flights import fly, gradient, least_separation  # noqa: E402
+from rss_gym.train.pathwise.flights import fly, gradient, least_separations  # noqa: E402
 from rss_gym.train.pathwise.price import SmoothPrice  # noqa: E402
 
 PRICE = SmoothPrice((100.0, 10_000.0), (15.24, 4.5), (3.0, 3.0))
@@ -40,19 +40,20 @@ def test_the_jacobian_of_the_actor_is_autograds(activation):
 def test_the_smooth_price_is_half_at_each_limit_and_falls_with_separation():
     price = SmoothPrice((100.0, 0.0), (15.24, 4.5), (1.5, 1.5))
     d = np.linspace(0.0, 40.0, 4001)
-    total = np.cumsum(price.slope(d)) * (d[1] - d[0])
-    assert np.all(price.slope(d) <= 0.0)
+    slope = price.slope(np.stack([d, d], axis=1))
+    total = np.cumsum(slope[:, 0]) * (d[1] - d[0])
+    assert np.all(slope <= 0.0) and np.all(slope[:, 1] == 0.0)
     assert total[1524] == pytest.approx(-50.0, abs=0.2)
     assert total[-1] == pytest.approx(-100.0, abs=0.2)
-    assert abs(price.slope(np.array([np.inf]))[0]) < 1e-20
+    assert abs(price.slope(np.array([[np.inf, np.inf]]))[0, 0]) < 1e-20
 
 
 def cost(batch, decisions, price):
     """What `gradient` differentiates, of each flight."""
-    least, _ = least_separation(batch.n, decisions)
+    least, _ = least_separations(batch.n, decisions)
     near = sum(
-        p / (1.0 + np.exp((least - limit) / s))
-        for p, limit, s in zip(price.prices_m, price.limits_m, price.softness_m, strict=True)
+        price.prices_m[event] / (1.0 + np.exp((least[:, event] - price.limits_m[event]) / price.softness_m[event]))
+        for event in range(2)
     )
     return batch.episode["deviation_sum_m"] / batch.episode["ticks"] + near
 

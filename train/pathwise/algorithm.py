@@ -17,7 +17,7 @@ from rss_gym.params import ParamsError
 from rss_gym.sb3 import EncounterVecEnv
 from rss_gym.train.masked import Masked
 from rss_gym.train.pathwise.actor import mean_actions
-from rss_gym.train.pathwise.flights import fly, gradient, least_separation
+from rss_gym.train.pathwise.flights import fly, gradient, least_separations
 from rss_gym.train.pathwise.price import SmoothPrice
 
 CHUNK = 1 << 16  # observations that the network is differentiated on at a time
@@ -108,7 +108,7 @@ class Pathwise(BaseAlgorithm):
             decisions = fly(batch, self.policy, fields)
             self.num_timesteps += sum(len(decision.rows) for decision in decisions)
             price = SmoothPrice.of(batch.params, self.softness_m)
-            self._record(batch, least_separation(batch.n, decisions)[0] < batch.params.zone.collision_m)
+            self._record(batch, least_separations(batch.n, decisions)[0][:, 1] < batch.params.zone.collision_m)
             callback.update_locals(locals())
             if not callback.on_step():
                 break

@@ -4,8 +4,8 @@ Notation: x_n is the agent's state before step n, a_n the action, K_n = da_n/dx_
 
     dJ/da_n = dc_n/da_n + B_n^T l_(n+1),        l_n = dc_n/dx_n + A_n^T l_(n+1) + K_n^T dJ/da_n
 
-with A_n and B_n the derivatives of x_(n+1) by x_n and a_n, and c_n the part of the cost that step n makes: its deviation
-over the length of the flight, and the smooth price of the least separation if it is reached in this step.
+with A_n and B_n the derivatives of x_(n+1) by x_n and a_n, and c_n the part of the cost that step n makes: deviation
+over the length of the flight, and the smooth prices of the least separations that are reached in this step.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 import torch
 
 from rss_gym.core import Batch
-from rss_gym.sensitivity import StepRecorder, StepSensitivity, observation_sensitivity
+from rss_gym.sensitivity import EVENTS, StepRecorder, StepSensitivity, observation_sensitivity
 from rss_gym.train.pathwise.actor import with_jacobian
 from rss_gym.train.pathwise.price import SmoothPrice
 
@@ -86,7 +86,7 @@ def gradient(
     `limit_m` bounds the length of each decision's gradient, and ten times as much that of l.
     """
     size = decisions[0].step.state.shape[1]
-    least, last = least_separation(batch.n, decisions)
+    least, last = least_separations(batch.n, decisions)
     slope, length = price.slope(least), batch.episode["ticks"].astype(np.float64)
     forward = np.zeros((batch.n, size))  # l of the next step
     observations, gradients = [], []
@@ -94,8 +94,8 @@ def gradient(
         now = decisions[number]
         rows, step = now.rows, now.step
         weight = batch.params.reward.deviation_price / length[rows, None]
-        near = np.where(last[rows] == number, slope[rows], 0.0)[:, None]
-        total = weight * step.deviation_slope + near * step.least_slope
+        near = np.where(last[rows] == number, slope[rows], 0.0)
+        total = weight * step.deviation_slope + np.einsum("ne,nie->ni", near, step.least_slope)
         total += np.einsum("nij,nj->ni", step.state_slope, forward[rows])
         by_action = bounded(total[:, size:], limit_m)
         beyond = np.abs(now.actions) > 1.0  # only a way back changes anything
@@ -107,12 +107,13 @@ def gradient(
     return torch.cat(observations), torch.cat(gradients)
 
 
-def least_separation(n: int, decisions: list[Decision]) -> tuple[np.ndarray, np.ndarray]:
-    """Least separation of each row's flight, m, and the number of the decision in which it is reached; shape (n,)."""
-    least, last = np.full(n, np.inf), np.zeros(n, np.int64)
+def least_separations(n: int, decisions: list[Decision]) -> tuple[np.ndarray, np.ndarray]:
+    """Least separations of each flight by `EVENTS`, m, and the decisions in which they are reached; both (n, 2)."""
+    least, last = np.full((n, len(EVENTS)), np.inf), np.zeros((n, len(EVENTS)), np.int64)
     for number, decision in enumerate(decisions):
-        nearer = decision.step.least_m < least[decision.rows]
-        least[decision.rows[nearer]], last[decision.rows[nearer]] = decision.step.least_m[nearer], number
+        rows, found = decision.rows, decision.step.least_m
+        last[rows] = np.where(found < least[rows], number, last[rows])
+        least[rows] = np.minimum(found, least[rows])
     return least, last
 
 

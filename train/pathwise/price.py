@@ -37,10 +37,10 @@ class SmoothPrice:
             (softness_m, softness_m),
         )
 
-    def slope(self, separation_m: np.ndarray) -> np.ndarray:
-        """Derivative of the price by the least separation, at most zero; shape as `separation_m`, infinity allowed."""
-        total = np.zeros_like(separation_m)
-        for price_m, limit_m, softness_m in zip(self.prices_m, self.limits_m, self.softness_m, strict=True):
-            share = 1.0 / (1.0 + np.exp(np.clip((separation_m - limit_m) / softness_m, -60.0, 60.0)))
-            total -= price_m / softness_m * share * (1.0 - share)
-        return total
+    def slope(self, separations_m: np.ndarray) -> np.ndarray:
+        """Derivatives of the price by the least separations (n, 2) of `EVENTS`, at most zero; infinity is allowed."""
+        softness_m = np.array(self.softness_m)
+        excess = np.clip((separations_m - np.array(self.limits_m)) / softness_m, -60.0, 60.0)
+        share = 1.0 / (1.0 + np.exp(excess))
+        slopes: np.ndarray = -np.array(self.prices_m) / softness_m * share * (1.0 - share)
+        return slopes
