@@ -80,8 +80,9 @@ def test_an_unknown_study_is_refused_by_name(capsys):
     assert "study 'wrold' is unknown; did you mean 'world'?" in capsys.readouterr().err
 
 
-def test_docs_hold_no_python():
-    assert list((ROOT / "docs").rglob("*.py")) == []
+def test_docs_hold_no_python_but_what_builds_the_site():
+    found = {path.relative_to(ROOT / "docs").parts[0] for path in (ROOT / "docs").rglob("*.py")}
+    assert found <= {"conf.py", "extensions"}
 
 
 def test_the_command_names_every_study(capsys):
