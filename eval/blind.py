@@ -16,7 +16,7 @@ import numpy as np
 
 from rss_gym import observation
 from rss_gym.eval.costs import Costs, Prices
-from rss_gym.eval.episodes import Block, fly_episodes
+from rss_gym.eval.episodes import Block, fly_all
 from rss_gym.eval.intervals import Interval, clopper_pearson
 from rss_gym.eval.suites import Suite, find
 from rss_gym.params import Params
@@ -26,7 +26,6 @@ HEIGHTS_M = (5.0, 10.0, 20.0, 60.0)
 SHARES = (0.2, 0.5, 1.0)  # of the speed limit
 DIRECTIONS = 16
 AXES = ("along", "right", "up")
-BLOCK = 2048  # encounters side by side
 # Who does not listen flies alike with these. Nobody hears anything, and no node is ranged.
 DEAF: dict[str, Any] = {
     "agent": "gnss",
@@ -181,10 +180,7 @@ def cheapest(suite: str | Suite, episodes: int = 2000, seed: int = 0, first: int
 
 
 def _flown(manoeuvre: Manoeuvre, params: Params, split: str, episodes: int, seed: int) -> Swept:
-    blocks = [Block(split, seed, range(first, min(first + BLOCK, episodes))) for first in range(0, episodes, BLOCK)]
-    table = np.concatenate(
-        [fly_episodes(Blind(manoeuvre, params), manoeuvre.name, params, block)[0] for block in blocks]
-    )
+    table = fly_all(Blind(manoeuvre, params), manoeuvre.name, params, Block(split, seed, range(episodes)))
     rate = clopper_pearson(int(np.count_nonzero(table["collision"])), episodes)
     costs = Costs.of(table, Prices.of(params))
     return Swept(manoeuvre.name, costs.interval(), rate, float(np.mean(table["deviation_mean_m"])))

@@ -16,6 +16,7 @@ from rss_gym.params import Params
 from rss_gym.physics.random import uniform
 from rss_gym.streams import STREAM_SAMPLE
 
+BLOCK = 2048  # episodes flown side by side; any value gives the same scores
 # Columns of a table that are not the episode's own of the same name.
 MEASURED = (
     "episode duration_s flown_s manoeuvre_m planned_m deviation_end_m missed_ticks sample_separation_m sample_range_m "
@@ -187,3 +188,10 @@ def fly_episodes(
     table["deviation_end_m"] = episode["deviation_m"]
     table["planned_m"] = batch.planned_mps * table["flown_s"]
     return table, positions
+
+
+def fly_all(policy: Any, name: str, params: Params, episodes: Block) -> np.ndarray:
+    """The table of any number of episodes, flown `BLOCK` at a time without the flights of `none`."""
+    parts = [episodes.episodes[first : first + BLOCK] for first in range(0, episodes.count, BLOCK)]
+    blocks = [Block(episodes.split, episodes.seed, part) for part in parts]
+    return np.concatenate([fly_episodes(policy, name, params, block)[0] for block in blocks])

@@ -14,7 +14,7 @@ import numpy as np
 from rss_gym.baselines import able
 from rss_gym.core import SEED_LIMIT, checked_seed
 from rss_gym.eval.costs import Prices
-from rss_gym.eval.episodes import Block, described
+from rss_gym.eval.episodes import BLOCK, Block, described
 from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.policies import Entry, entry
 from rss_gym.eval.shown import Shown
@@ -24,7 +24,6 @@ from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import Params, ParamsError
 from rss_gym.progress import progress_bar
 
-BLOCK = 2048  # episodes flown side by side; any value gives the same scores
 ALL = "all"  # in place of a policy's name
 NAME_MAX = 200  # characters of a policy's name
 
@@ -231,19 +230,9 @@ def score(
     """Every metric of every policy from the episode tables alone."""
     names = [item.name for item in entries]
     none, compared = tables[names.index(NOMINAL)], tables[names.index(reference)]
-    zone = suite.params.zone
     scored = []
     for item, table in zip(entries, tables, strict=True):
-        flights = Flights(
-            table=table,
-            none=none,
-            reference=compared,
-            suite_radius_m=zone.radius_m,
-            trials=zone.trials,
-            range_error_probability=zone.range_error_probability,
-            reaction_s=zone.reaction_s,
-            prices=Prices.of(suite.params),
-        )
+        flights = Flights.of(suite.params, table, none, compared, Prices.of(suite.params))
         scored.append(Scored(item, table, measure(flights)))
     return Result(suite, seed, len(none), official, tuple(scored), reference, first_episode)
 

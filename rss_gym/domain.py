@@ -16,7 +16,7 @@ import numpy as np
 from rss_gym import core, encounters, observation
 from rss_gym.highway import batch as road_batch
 from rss_gym.highway import observation as road_observation
-from rss_gym.highway.params import RoadParams, actions
+from rss_gym.highway.params import RoadParams
 from rss_gym.highway.scene import SCENES
 from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params
@@ -113,9 +113,7 @@ class Road:
     def spaces(self, params: Any) -> tuple[gym.spaces.Box, gym.Space[Any]]:
         """Observation and action space of one environment."""
         low, high = (np.array([getattr(f, end) for f in self.fields(params)], np.float32) for end in ("low", "high"))
-        names = actions(params)
-        action = gym.spaces.Discrete(len(names)) if names else road_batch.RoadEnv(params=params).action_space
-        return gym.spaces.Box(low, high, dtype=np.float32), action
+        return gym.spaces.Box(low, high, dtype=np.float32), road_batch.action_space(params)
 
 
 AIR: Domain = Air()

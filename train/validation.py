@@ -13,8 +13,7 @@ import numpy as np
 
 from rss_gym.baselines import able, make
 from rss_gym.eval.costs import SCORE, cost_m
-from rss_gym.eval.episodes import Block, fly_episodes
-from rss_gym.eval.evaluate import BLOCK
+from rss_gym.eval.episodes import Block, fly_all
 from rss_gym.eval.metrics import Estimate, Flights, measure
 from rss_gym.eval.ranking import Candidate, Place, rank
 from rss_gym.eval.text import cell
@@ -86,10 +85,7 @@ class Validator:
     """
 
     def __init__(self, params: Params, episodes: int) -> None:
-        self.params = params
-        self._blocks = [
-            Block(SPLIT, SEED, range(first, min(first + BLOCK, episodes))) for first in range(0, episodes, BLOCK)
-        ]
+        self.params, self.episodes = params, episodes
 
     def score(self, policy: Any, name: str) -> ValidationScore:
         """Fly `policy`, which flies in the validator's world.
@@ -101,16 +97,8 @@ class Validator:
         NotFiniteError
             When a state of the world is not finite.
         """
-        zone, table = self.params.zone, self._flown(policy, name)
-        flights = Flights(
-            table=table,
-            none=self._none,
-            reference=None,
-            suite_radius_m=zone.radius_m,
-            trials=zone.trials,
-            range_error_probability=zone.range_error_probability,
-            reaction_s=zone.reaction_s,
-        )
+        table = self._flown(policy, name)
+        flights = Flights.of(self.params, table, self._none, None)
         return ValidationScore(Candidate.of(name, table, SCORE), measure(flights, METRICS))
 
     @cached_property
@@ -118,7 +106,7 @@ class Validator:
         return self._flown(make("none", self.params), "none")
 
     def _flown(self, policy: Any, name: str) -> np.ndarray:
-        table = np.concatenate([fly_episodes(policy, name, self.params, block)[0] for block in self._blocks])
+        table = fly_all(policy, name, self.params, Block(SPLIT, SEED, range(self.episodes)))
         table["cost_m"] = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"])
         return table
 

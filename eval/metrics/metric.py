@@ -10,6 +10,7 @@ import numpy as np
 from rss_gym.eval.costs import SCORE, Prices
 from rss_gym.eval.intervals import Interval, clopper_pearson
 from rss_gym.eval.table import TABLES
+from rss_gym.params import Params
 
 ONE = "1"  # the unit of ratios and shares
 
@@ -67,6 +68,15 @@ class Flights:
     range_error_probability: float
     reaction_s: float
     prices: Prices = SCORE
+
+    @classmethod
+    def of(
+        cls, params: Params, table: np.ndarray, none: np.ndarray, reference: np.ndarray | None, prices: Prices = SCORE
+    ) -> Flights:
+        """Flights in a world, whose zone gives the numbers."""
+        zone = params.zone
+        numbers = (zone.radius_m, zone.trials, zone.range_error_probability, zone.reaction_s)
+        return cls(table, none, reference, *numbers, prices)
 
     def __post_init__(self) -> None:
         for name in ("table", "none", "reference"):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
+import gymnasium as gym
 import numpy as np
 
 from rss_gym import state
@@ -108,17 +110,25 @@ class RoadBatch(BaseBatch):
         return found[0], found[1]
 
 
+@cache
+def action_space(params: RoadParams) -> gym.Space[Any]:
+    """highway-env's, of one environment."""
+    names = actions(params)
+    return gym.spaces.Discrete(len(names)) if names else RoadEnv(params=params).action_space
+
+
 def decode(values: Any, params: RoadParams, n: int) -> np.ndarray:
-    """The policy's actions, one a row; of an action space other than highway-env's meta-actions each row is its own.
+    """The policy's actions, one a row.
 
     Raises
     ------
     ValueError, TypeError
-        If shape or type is wrong.
+        If one is not in the action space.
     """
-    found, names = np.asarray(values), actions(params)
-    if names:
-        return decode_discrete(found, len(names), n)
-    if len(found) != n:
-        raise ValueError(f"actions have shape {found.shape}, expected {n} rows")
+    found, space = np.asarray(values), action_space(params)
+    if isinstance(space, gym.spaces.Discrete):
+        return decode_discrete(found, int(space.n), n)
+    wrong = [row for row in found if not space.contains(row)] if found.ndim and len(found) == n else [found]
+    if wrong:
+        raise ValueError(f"actions must be {n} of {space}, got {wrong[0]!r}")
     return found

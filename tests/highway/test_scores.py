@@ -175,6 +175,24 @@ def test_policies_of_ones_own(monkeypatch):
     assert one.tobytes() == two.tobytes() and (one["speed_deviation_mps"] > none["speed_deviation_mps"] + 1.0).all()
 
 
+class Coast:
+    """Neither accelerates nor steers."""
+
+    kind = np.float32
+
+    def predict(self, observation, state=None, episode_start=None, deterministic=True):
+        return np.zeros((len(observation), 2), self.kind), state
+
+
+def test_other_actions_of_highway_env():
+    params = SUITE.changed(config={"action": {"type": "ContinuousAction"}}).params
+    table, _ = fly_episodes(Coast(), "coast", params, Block("suite", 0, [0, 1]))
+    assert (table["flown_m"] > 10.0).all()
+    Coast.kind = np.float64
+    with pytest.raises(PolicyError, match=r"'coast': actions must be 2 of Box\(.*, got array\(\[0\., 0\.\]\)"):
+        fly_episodes(Coast(), "coast", params, Block("suite", 0, [0, 1]))
+
+
 def test_a_policy_of_the_air_is_refused_on_a_road():
     from rss_gym.baselines import make
 
