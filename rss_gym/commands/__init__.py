@@ -18,6 +18,8 @@ COMMANDS: dict[str, str] = {
     "eval": "eval",
     "verify": "verify",
     "leaderboard": "leaderboard",
+    "record": "record",
+    "watch": "watch",
     "train": "train",
     "export": "export",
     "calibrate": "calibrate",

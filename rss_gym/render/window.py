@@ -24,10 +24,13 @@ class Window:
     ----------
     is_closed : bool
         True after `close`, or once the user has closed the window.
+    is_unseen : bool
+        Whether what is shown goes to no screen, because there is none.
     """
 
     def __init__(self, title: str = "rss_gym") -> None:
         self.is_closed = False
+        self.is_unseen = False
         self._title = title
         self._screen: Any = None
         self._clock: Any = None
@@ -53,6 +56,7 @@ class Window:
         if self._screen is None:
             pygame.display.init()
             pygame.display.set_caption(self._title)
+            self.is_unseen = pygame.display.get_driver() in ("dummy", "offscreen")
             self._clock = pygame.time.Clock()
         if self._screen is None or self._screen.get_size() != size_px:
             self._screen = pygame.display.set_mode(size_px)

@@ -31,6 +31,11 @@ def test_a_record_becomes_a_ranked_table(tmp_path):
     lines = page.ranked([tmp_path / "record"]).splitlines()
     assert lines[0].startswith("| place | policy | cost, m | more than the first, m | collisions |")
     assert lines[2].startswith("| 1 * | `orca:radius_m=20` |") and len(lines) == 5
+    assert page.short([tmp_path / "record"]).splitlines()[0] == (
+        "| policy | cost, m | collisions, % | near collisions, % | mean distance from the path, m |"
+    )
+    order = [line.split("`")[1] for line in page.short([tmp_path / "record"]).splitlines()[2:]]
+    assert order == ["orca:radius_m=20", "stop", "none"]
     family = page.by_family({"mixed": study.read([tmp_path / "record"])})
     assert "| mixed | " in family and "**" in family
 

@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> Iterator[Part]:
     require_figures()
     todo = [job for job in planned(options.shrink) if not options.readme or job.name.startswith("readme")]
     flown = fly(todo, options.workers, options.runs)
-    table = f"{page.ranked(of(flown, 'readme'))}\n\n{made('opponents', todo[0].episodes)}"
+    table = f"{page.short(of(flown, 'readme'))}\n\n{made('opponents', todo[0].episodes)}"
     yield Part(table, "README.md", mark="scores")
     if not options.readme:
         yield Part(tables(flown), PAGE, mark="tables")

@@ -43,13 +43,7 @@ BLIND = ("constant:right_m=30", "constant:right_m=100", "velocity", "stop", "bac
 DEAF = ("brake", "right-turn", "random")
 AGENTS = "-agents"  # of the name of a record that holds these
 DEFAULTS = ("orthogonal", "orca", "mvp", "cbf", "mpc")
-README = (
-    "none",
-    *("orthogonal:radius_m=30", "orthogonal:radius_m=40", "orthogonal:radius_m=60"),
-    *("orca:radius_m=15", "orca:radius_m=20", "orca:radius_m=25"),
-    *("mvp", "cbf", "mpc"),
-    *("constant:right_m=30", "stop", "back"),
-)
+README = ("none", "orthogonal:radius_m=40", "orca:radius_m=20", "mpc")
 OF_FAMILY = {"merging": {"intruders": 8, "intruders_min": 2}}  # what a family needs of the world beside its name
 
 

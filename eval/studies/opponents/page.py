@@ -27,6 +27,21 @@ COLUMNS = {
 }
 
 
+SHORT = {
+    "cost_m": ("cost, m", 1.0, ".1f"),
+    "collision_rate": ("collisions, %", 100.0, ".3f"),
+    "snmac_rate": ("near collisions, %", 100.0, ".2f"),
+    "path_deviation_mean_m": ("mean distance from the path, m", 1.0, ".1f"),
+}
+
+
+def short(folders: Sequence[Path]) -> str:
+    """The policies of records over the same encounters in order of cost, in words and numbers for the README."""
+    rows = sorted(read(folders).values(), key=lambda row: row.metrics["cost_m"].value or float("inf"))
+    lines = ([f"`{row.spec}`", *(cell(row.metrics[name], *form) for name, (_, *form) in SHORT.items())] for row in rows)
+    return table(["policy", *(title for title, *_ in SHORT.values())], lines)
+
+
 def ranked(folders: Sequence[Path]) -> str:
     """The policies of records over the same encounters in order of cost, with all columns of `COLUMNS`.
 
