@@ -38,7 +38,10 @@ SHORT = {
 def short(folders: Sequence[Path]) -> str:
     """The policies of records over the same encounters in order of cost, in words and numbers for the README."""
     rows = sorted(read(folders).values(), key=lambda row: row.metrics["cost_m"].value or float("inf"))
-    lines = ([f"`{row.spec}`", *(cell(row.metrics[name], *form) for name, (_, *form) in SHORT.items())] for row in rows)
+    lines = (
+        [f"`{row.spec}`", *(cell(row.metrics[name], scale, form) for name, (_, scale, form) in SHORT.items())]
+        for row in rows
+    )
     return table(["policy", *(title for title, *_ in SHORT.values())], lines)
 
 
