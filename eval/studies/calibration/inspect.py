@@ -12,6 +12,7 @@ from rss_gym.calibration.logs import LogRecord, ReadOptions, read_file, sources
 from rss_gym.calibration.logs.clean import cleaned
 from rss_gym.calibration.logs.record import REASONS, USED, LogFile, Rows
 from rss_gym.checks import Floats
+from rss_gym.eval.studies.calibration.text import printable
 from rss_gym.params import ParamsError
 
 PLOT_COLUMNS, PLOT_ROWS = 64, 16
@@ -58,6 +59,8 @@ def inspect(
 def description(file: LogFile, records: Sequence[LogRecord], notes: Sequence[str]) -> str:
     """One log in lines of text."""
     lines = [f"{file.source}: {file.format}, {sum(rows.reason.size for rows in file.rows):,} rows"]
+    for key, column in file.columns.items():
+        lines.append(f"  {key or 'not used':<9} {printable(column)[:200]}")
     for rows in file.rows:
         lines += [f"  link {rows.link!r}" + (f", sender {rows.sender}" if rows.sender else "")]
         lines += [f"    {name:<9} {value}" for name, value in facts(rows).items()]

@@ -131,6 +131,7 @@ def _file(
                 setattr(rows[0], field, np.append(values, math.nan))
         rows[0].reason = np.append(rows[0].reason, np.uint8(CORRUPT))
     file = LogFile(telemetry.source, telemetry.format, rows, "line", telemetry.notes)
+    file.columns = {"rss": ", ".join(name for name, link in _LINKS.items() if link in names), "positions": "GPS"}
     if bad:
         file.example(CORRUPT, f"line {bad[0]}")
     return file

@@ -19,7 +19,7 @@ NEAREST_M = 1.0  # the reference distance of (2): an aircraft on its launch poin
 
 # Reasons for which a row is not used; 0 is a row in use.
 USED: Final = 0
-MISSING, CORRUPT, LIMITS, DISTANCE, NOT_BELOW_0, BACKWARDS, JUMP = 1, 2, 3, 4, 5, 6, 7
+MISSING, CORRUPT, LIMITS, DISTANCE, NOT_BELOW_0, BACKWARDS = 1, 2, 3, 4, 5, 6
 NO_RSS, SENTINEL, SATURATED = 20, 21, 22
 DUPLICATE, COPY = 40, 41
 NO_POSITION, TOO_NEAR, NOT_ARMED, ON_GROUND, OUTSIDE = 60, 61, 62, 63, 64
@@ -31,7 +31,6 @@ REASONS: dict[int, str] = {
     DISTANCE: "a distance out of its limits",
     NOT_BELOW_0: "an RSS that is not below 0 dBm",
     BACKWARDS: "the clock goes back",
-    JUMP: "a position that no flight can reach",
     NO_RSS: "no RSS",
     SENTINEL: "a number that stands for no signal",
     SATURATED: "an RSS at the edge of what the receiver reports",
@@ -142,6 +141,8 @@ class LogFile:
         What the reader had to assume.
     examples : dict of int to str
         For a reason, the first row that has it and what it holds.
+    columns : dict of str to str
+        Key to the column, field or message that it is taken from; under "" what is not used.
     """
 
     source: str
@@ -150,6 +151,7 @@ class LogFile:
     row: str = "line"
     notes: list[str] = field(default_factory=list)
     examples: dict[int, str] = field(default_factory=dict)
+    columns: dict[str, str] = field(default_factory=dict)
 
     def example(self, reason: int, text: str) -> None:
         """Keep the first of its kind."""

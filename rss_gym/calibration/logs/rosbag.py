@@ -180,6 +180,7 @@ def _file(
     topic = wanted["rss"][0]
     table, links = tables[topic]
     file = LogFile(source, f"ROS bag, RSS of {topic}", [], "message")
+    file.columns = {key: ".".join(place) if isinstance(place, tuple) else f"{place:g}" for key, place in wanted.items()}
     time_s = table[:, 0]
     series: dict[str, Floats] = {}
     known = np.ones(len(time_s), bool)

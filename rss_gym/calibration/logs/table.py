@@ -128,8 +128,21 @@ class Table:
             for layout in self.layouts:
                 names.checked(layout.quantities, columns, self.header, source)
         self.file = LogFile(source, f"table, {_WORDS[self.dialect.delimiter]}", [])
+        self.file.columns = self._taken()
         self._time: Callable[[str], float] | None = None
         self._kind = "number"
+
+    def _taken(self) -> dict[str, str]:
+        """Key to the name of its column, or its number in every row; the columns that are not used under ""."""
+        taken: dict[str, list[str]] = {}
+        used = set()
+        for layout in self.layouts:
+            for key, quantity in layout.quantities.items():
+                used.add(quantity.index)
+                if quantity.column not in taken.setdefault(key, []):
+                    taken[key].append(quantity.column)
+        rest = [name for k, name in enumerate(self.header) if k not in used]
+        return {key: ", ".join(names) for key, names in taken.items()} | ({"": ", ".join(rest)} if rest else {})
 
     def read(self) -> LogFile:
         """Every link of the file with its distances."""

@@ -111,6 +111,7 @@ class Telemetry:
             what = lacking[0] if not self.reports else f"{lacking[1]} with a position"
             raise ParamsError(f"log {self.source!r} holds no message {what}; both are needed")
         file = LogFile(self.source, self.format, [], "message", self.notes)
+        file.columns = {"rss": lacking[0], "positions": lacking[1]}
         rising = self._rising(track)
         senders = self._copies_marked(rising)
         for sender, (table, copy) in senders.items():
