@@ -40,7 +40,7 @@ def contrast(study: Study) -> Panel:
                 axes.plot([x, x], [found[key].low, found[key].high], color=INK, linewidth=1.0)
         axes.set_xticks(places, ["the paper", *seen])
         axes.set(ylabel="80 % of the errors within, m", ylim=(0.0, None))
-        axes.legend(loc="upper right")
+        axes.figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
     numbers = [
         Number(
             id=f"{id_}-{key}",

@@ -37,9 +37,15 @@ def _log(file: LogFile, notes: Sequence[str]) -> str:
         + "</dl>"
         for rows in file.rows
     )
+    taken = "".join(
+        f"<dt>{text(key or 'not used')}</dt><dd>{text(printable(name))}</dd>" for key, name in file.columns.items()
+    )
     listed = "".join(f"<li>{text(note)}</li>" for note in notes)
     return (
-        f'<p class="text">{text(file.format)}.</p>' + _figure(file) + links + (f"<ul>{listed}</ul>" if listed else "")
+        f'<p class="text">{text(file.format)}.</p><dl>{taken}</dl>'
+        + _figure(file)
+        + links
+        + (f"<ul>{listed}</ul>" if listed else "")
     )
 
 

@@ -143,6 +143,12 @@ def read_file(name: str, format: str | None, options: ReadOptions, source: str) 
         if format is None:
             known = ", ".join(reader.title for reader in READERS.values() if reader.begins is not is_table)
             raise ParamsError(f"log {source!r} is not text in UTF-8 and of no known format; known: {known}")
+        if format != "csv":
+            for option, value in (("time_unit", options.time_unit), ("melt", options.melt), ("truth", options.truth)):
+                if value is not None:
+                    raise ParamsError(
+                        f"{option} is for tables, and log {source!r} is a {READERS[format].title}, which needs none"
+                    )
         file = READERS[format].read(Path(name), options)
     except OSError as error:
         raise ParamsError(f"log {name!r} cannot be read: {error}") from error

@@ -69,6 +69,13 @@ def test_a_span_of_time(written):
         read(path, from_s=5.0, to_s=5.0)
 
 
+@pytest.mark.parametrize("option", [{"melt": "*"}, {"truth": "truth.csv"}, {"time_unit": "ms"}])
+def test_what_is_for_tables_is_not_ignored_elsewhere(written, option):
+    path, _ = written("ulog")
+    with pytest.raises(ParamsError, match=rf"{next(iter(option))} is for tables, and log 'ulog.ulg' is a PX4 ULog"):
+        read(path, **option)
+
+
 def test_a_log_of_no_known_format_is_refused(tmp_path):
     path = tmp_path / "log.dat"
     path.write_bytes(bytes(range(256)) * 20)
