@@ -87,6 +87,7 @@ def test_worlds_of_the_package_do_not_change_when_parts_are_added(forget):
         (lambda: rss_gym.register_metric("my-metric", Metric("x", "1", len)), ["must look like 'my_metric_m'"]),
         (lambda: rss_gym.register_metric("mine", Metric("x", "1", None)), ["function must be callable, got None"]),
         (lambda: rss_gym.register_metric("mine", Metric("", "1", len)), ["summary must be a text, got ''"]),
+        (lambda: rss_gym.register_metric("mine", Metric("x", "1", len, domains=("sea",))), ["domains must hold 'air'"]),
         (lambda: rss_gym.register_suite(Suite("mine", "x")), ["suite name 'mine' must look like 'my-suite-v0'"]),
         (lambda: rss_gym.register_suite({}), ["suite name ''"]),
         (lambda: rss_gym.register_suite(Suite("mine-v0", "")), ["must have a summary"]),

@@ -87,6 +87,8 @@ def _check(name: str, metric: Metric) -> None:
     for field in ("summary", "unit"):
         if not isinstance(getattr(metric, field), str) or not getattr(metric, field).strip():
             raise ParamsError(f"metric {name!r}: {field} must be a text, got {getattr(metric, field)!r}")
+    if not isinstance(metric.domains, tuple) or not metric.domains or not set(metric.domains) <= {"air", "road"}:
+        raise ParamsError(f"metric {name!r}: domains must hold 'air', 'road' or both, got {metric.domains!r}")
 
 
 METRICS: Registry[Metric] = Registry("metric", _SHIPPED, _check, name="[a-z][a-z0-9_]*", like="my_metric_m")
