@@ -1,6 +1,6 @@
 """Many encounters on many machines: blocks on the executor of a Dask client, or parts that any scheduler runs.
 
-Needs the extra `cluster`: pip install "rss-gym[cluster]". Without --scheduler it starts two workers on this machine.
+Needs the extra `cluster`: pip install -e '.[cluster]' in the clone. Without --scheduler it starts two workers here.
 
     python examples/cluster.py --episodes 100000 --scheduler tcp://head:8786
 """

@@ -1,6 +1,6 @@
 """The same sensor on the road: wrap an environment of highway-env, drive a rule, read the named fields.
 
-Needs the extra `highway`: pip install "rss-gym[highway]". Runs in seconds.
+Needs the extra `highway`: pip install -e '.[highway]' in the clone. Runs in seconds.
 """
 
 import gymnasium as gym

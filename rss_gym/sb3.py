@@ -26,7 +26,7 @@ try:
     from stable_baselines3.common import env_util
     from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 except ImportError as error:
-    raise ImportError("rss_gym.sb3 needs Stable-Baselines3: pip install 'rss-gym[train]'") from error
+    raise ImportError("rss_gym.sb3 needs Stable-Baselines3: pip install -e '.[train]' in the clone") from error
 
 _OF_CLASS = ("every_info",)  # keywords of `EncounterVecEnv` that are none of the environment
 

@@ -146,6 +146,27 @@ def test_a_broken_link_of_the_site_is_found(site, tmp_path):
     ]
 
 
+def test_commands_that_install_work_before_a_release():
+    extras = tomllib.loads(text_of(ROOT / "pyproject.toml"))["project"]["optional-dependencies"]
+    folders = ("rss_gym", "baselines", "train", "eval", "examples", "docs")
+    files = [path for name in folders for kind in ("*.py", "*.md") for path in (ROOT / name).rglob(kind)]
+    text = "\n".join(map(text_of, [ROOT / "README.md", ROOT / "CHANGELOG.md", *files]))
+    assert re.findall(r"pip install [^\n]*rss-gym\[", text) == []
+    named = re.findall(r"pip install -e '\.\[([\w,]+)\]'", text)
+    assert len(named) > 10 and {extra for names in named for extra in names.split(",")} <= set(extras)
+
+
+def test_the_citation_is_of_this_version():
+    version = tomllib.loads(text_of(ROOT / "pyproject.toml"))["project"]["version"]
+    citation = text_of(ROOT / "CITATION.cff")
+    assert f"\nversion: {version}\n" in citation and re.search(
+        r"^date-released: \d{4}-\d\d-\d\d$", citation, re.MULTILINE
+    )
+    assert f"version = {{{version}}}" in text_of(ROOT / "docs" / "cite.md")
+    for number in re.findall(r"^    (?:volume|issue|start|end|doi): (\S+)$", citation, re.MULTILINE):
+        assert number in text_of(ROOT / "docs" / "cite.md")
+
+
 def test_pyproject_names_modules_that_exist():
     settings = tomllib.loads(text_of(ROOT / "pyproject.toml"))["tool"]
     found = {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in (ROOT / "rss_gym").rglob("*.py")}

@@ -99,7 +99,7 @@ def export_model(
     try:
         module = importlib.import_module(kind.module)
     except ImportError as error:
-        raise ParamsError(f"export needs {kind.module} ({error}): pip install 'rss-gym[train]'") from error
+        raise ParamsError(f"export needs {kind.module} ({error}): pip install -e '.[train]' in the clone") from error
     try:
         model = getattr(module, kind.name).load(path, device="cpu")
     except Exception as error:  # of whatever kind: it runs code from the file

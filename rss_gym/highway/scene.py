@@ -9,7 +9,7 @@ from typing import Any
 
 from rss_gym.params import ParamsError
 
-EXTRA = 'the roads need highway-env, which is not installed: pip install "rss-gym[highway]"'
+EXTRA = "the roads need highway-env, which is not installed: pip install -e '.[highway]' in the clone"
 
 
 @dataclass(frozen=True)

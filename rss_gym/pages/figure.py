@@ -48,7 +48,7 @@ def require_figures() -> None:
         import matplotlib  # noqa: F401
     except ImportError as error:
         raise ParamsError(
-            "the figures of this page need matplotlib, which is not installed: pip install 'rss-gym[report]'"
+            "the figures of this page need matplotlib, which is not installed: pip install -e '.[report]' in the clone"
         ) from error
 
 

@@ -177,7 +177,7 @@ def pillow(name: str) -> ModuleType:
     except ImportError as error:
         from gymnasium.error import DependencyNotInstalled
 
-        raise DependencyNotInstalled('Drawing needs Pillow: pip install "rss-gym[render]"') from error
+        raise DependencyNotInstalled("Drawing needs Pillow: pip install -e '.[render]' in the clone") from error
 
 
 @lru_cache(maxsize=32)

@@ -213,7 +213,7 @@ def _mp4(pictures: list[NDArray[np.uint8]], every: int) -> bytes:
     except ImportError as error:
         from gymnasium.error import DependencyNotInstalled
 
-        raise DependencyNotInstalled("A video needs MoviePy: pip install -e '.[render]' in a clone") from error
+        raise DependencyNotInstalled("A video needs MoviePy: pip install -e '.[render]' in the clone") from error
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "video.mp4"
         clip = ImageSequenceClip(pictures, fps=RENDER_FPS / every)

@@ -83,5 +83,5 @@ def _pygame() -> ModuleType:
     except ImportError as error:
         from gymnasium.error import DependencyNotInstalled
 
-        raise DependencyNotInstalled('A window needs pygame: pip install "rss-gym[render]"') from error
+        raise DependencyNotInstalled("A window needs pygame: pip install -e '.[render]' in the clone") from error
     return pygame

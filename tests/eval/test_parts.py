@@ -119,7 +119,7 @@ def test_threads(alone):
 
 @pytest.mark.slow
 def test_loky(alone):
-    loky = pytest.importorskip("loky", reason="loky is not installed: pip install 'rss-gym[cluster]'")
+    loky = pytest.importorskip("loky", reason="loky is not installed: pip install -e '.[cluster]' in the clone")
     executor = loky.get_reusable_executor(max_workers=2)
     try:
         assert same(scored(executor=executor, block=8), alone)
@@ -131,14 +131,16 @@ def test_loky(alone):
 
 @pytest.mark.slow
 def test_joblib(alone):
-    joblib = pytest.importorskip("joblib", reason="joblib is not installed: pip install 'rss-gym[cluster]'")
+    joblib = pytest.importorskip("joblib", reason="joblib is not installed: pip install -e '.[cluster]' in the clone")
     tasks = [joblib.delayed(part)(first, first + 10) for first in range(0, EPISODES, 10)]
     assert same(merge(joblib.Parallel(n_jobs=2)(tasks)), alone)
 
 
 @pytest.mark.slow
 def test_nothing_is_lost_with_a_worker_of_dask_that_is_killed(alone, tmp_path, monkeypatch):
-    distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install 'rss-gym[cluster]'")
+    distributed = pytest.importorskip(
+        "distributed", reason="dask is not installed: pip install -e '.[cluster]' in the clone"
+    )
     monkeypatch.setenv(flyers.MARKS, str(tmp_path))
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,

@@ -44,7 +44,7 @@ def read_dataflash(path: Path, options: ReadOptions) -> LogFile:
         from pymavlink import DFReader
     except ImportError as error:
         raise ParamsError(
-            "reading DataFlash logs needs pymavlink, which is not installed: pip install 'rss-gym[mavlink]'"
+            "reading DataFlash logs needs pymavlink, which is not installed: pip install -e '.[mavlink]' in the clone"
         ) from error
     telemetry = Telemetry(path.name, "ArduPilot DataFlash log", ("aircraft", "ground"))
     receiver: list[tuple[float, float, int]] = []

@@ -154,6 +154,6 @@ def _dialect() -> ModuleType:
         from pymavlink.dialects.v20 import ardupilotmega
     except ImportError as error:
         raise ParamsError(
-            "reading MAVLink logs needs pymavlink, which is not installed: pip install 'rss-gym[mavlink]'"
+            "reading MAVLink logs needs pymavlink, which is not installed: pip install -e '.[mavlink]' in the clone"
         ) from error
     return ardupilotmega

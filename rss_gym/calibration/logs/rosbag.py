@@ -72,7 +72,7 @@ def read_bag(path: Path, options: ReadOptions) -> LogFile:
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise ParamsError(
-            "reading ROS bags needs rosbags, which is not installed: pip install 'rss-gym[ros]'"
+            "reading ROS bags needs rosbags, which is not installed: pip install -e '.[ros]' in the clone"
         ) from error
     try:
         with _suffixed(path) as named, AnyReader([named], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:

@@ -44,7 +44,7 @@ def read_ulog(path: Path, options: ReadOptions) -> LogFile:
         from pyulog import ULog
     except ImportError as error:
         raise ParamsError(
-            "reading ULog files needs pyulog, which is not installed: pip install 'rss-gym[ulog]'"
+            "reading ULog files needs pyulog, which is not installed: pip install -e '.[ulog]' in the clone"
         ) from error
     with contextlib.redirect_stdout(io.StringIO()), path.open("rb") as file:  # it prints what is damaged
         try:

@@ -68,7 +68,7 @@ def _dialect() -> ModuleType:
     try:
         from pymavlink.dialects.v20 import ardupilotmega
     except ImportError as error:
-        raise ParamsError("writing MAVLink logs needs pymavlink: pip install 'rss-gym[mavlink]'") from error
+        raise ParamsError("writing MAVLink logs needs pymavlink: pip install -e '.[mavlink]' in the clone") from error
     return ardupilotmega
 
 

@@ -84,7 +84,7 @@ def _rosbags() -> Any:
         from rosbags.rosbag2 import Writer as Writer2
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
-        raise ParamsError("writing ROS bags needs rosbags: pip install 'rss-gym[ros]'") from error
+        raise ParamsError("writing ROS bags needs rosbags: pip install -e '.[ros]' in the clone") from error
     return SimpleNamespace(
         Writer1=Writer1, Writer2=Writer2, StoragePlugin=StoragePlugin, Stores=Stores, get_typestore=get_typestore
     )
