@@ -114,14 +114,16 @@ def test_a_part_stands_between_its_marks(tmp_path):
         Part("new", "missing.md", mark="one").put(tmp_path)
 
 
-@pytest.mark.parametrize("name", ["opponents", "roads", "paper", "calibration", "readme"])
-def test_the_pages_of_the_studies_have_their_marks(name):
-    source = "\n".join(path.read_text() for path in (ROOT / "eval" / "studies").glob(f"{name}*/*.py"))
-    source += "\n".join(path.read_text() for path in (ROOT / "eval" / "studies").glob(f"{name}.py"))
-    marks = re.findall(r'mark="(\w+)"', source)
-    assert marks
-    pages = "\n".join(path.read_text() for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
-    assert [mark for mark in marks if f"<!-- {mark} -->" not in pages or f"<!-- /{mark} -->" not in pages] == []
+@pytest.mark.parametrize("name", studies.STUDIES)
+def test_the_pages_of_a_study_have_its_marks(name):
+    files = [*(ROOT / "eval" / "studies").glob(f"{name}/*.py"), *(ROOT / "eval" / "studies").glob(f"{name}.py")]
+    source = "\n".join(path.read_text() for path in files)
+    constants = dict(re.findall(r'\b([A-Z]+)(?:, \w+)? = "([^"]+)"', source))
+    found = re.findall(r'Part\(.*, ("[^"]+"|[A-Z]+), mark="(\w+)"\)', source)
+    assert len(found) == source.count("mark=")
+    for path, mark in found:
+        page = (ROOT / constants.get(path, path.strip('"'))).read_text()
+        assert page.count(f"<!-- {mark} -->") == page.count(f"<!-- /{mark} -->") == 1, (path, mark)
 
 
 def test_a_record_on_disk_is_not_flown_again(tmp_path, capsys, monkeypatch):
