@@ -75,5 +75,5 @@ def test_missing_extra_is_named(monkeypatch):
     for name in [name for name in sys.modules if name.partition(".")[0] == "highway_env"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "highway_env", None)
-    with pytest.raises(ParamsError, match=r'pip install "rss-gym\[highway\]"'):
+    with pytest.raises(ParamsError, match=r"pip install -e '\.\[highway\]'"):
         gym.make("rss_gym/Highway-v0")

@@ -41,5 +41,5 @@ def test_nothing_is_fetched_and_no_rule_leaves_the_figure():
 
 def test_missing_matplotlib_is_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(ParamsError, match=r"rss-gym\[report\]"):
+    with pytest.raises(ParamsError, match=r"-e '\.\[report\]"):
         figures.require_figures()

@@ -291,5 +291,5 @@ assert "pygame" not in sys.modules
 
 def test_a_missing_pillow_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
-    with pytest.raises(DependencyNotInstalled, match=r'Pillow: pip install "rss-gym\[render\]"'):
+    with pytest.raises(DependencyNotInstalled, match=r"Pillow: pip install -e '\.\[render\]'"):
         draw(scene())

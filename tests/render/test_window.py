@@ -16,7 +16,7 @@ def picture(width, height):
 
 def test_a_missing_pygame_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pygame", None)
-    with pytest.raises(DependencyNotInstalled, match=r'pygame: pip install "rss-gym\[render\]"'):
+    with pytest.raises(DependencyNotInstalled, match=r"pygame: pip install -e '\.\[render\]'"):
         Window().show(picture(400, 300), 30)
 
 

@@ -91,7 +91,7 @@ def test_without_the_library(written, monkeypatch, format, library, extra):
     for name in [name for name in sys.modules if name.partition(".")[0] == library]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(ParamsError, match=rf"rss-gym\[{extra}\]"):
+    with pytest.raises(ParamsError, match=rf"-e '\.\[{extra}\]"):
         read(path, **options)
 
 

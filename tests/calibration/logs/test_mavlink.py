@@ -187,7 +187,7 @@ def test_without_pymavlink(log, monkeypatch):
     for name in [name for name in sys.modules if name.startswith("pymavlink")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "pymavlink", None)
-    with pytest.raises(ParamsError, match=r"rss-gym\[mavlink\]"):
+    with pytest.raises(ParamsError, match=r"-e '\.\[mavlink\]"):
         read(log(flight(Writer()).content), format="mavlink")
 
 
