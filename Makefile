@@ -11,7 +11,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test check explore lint bench table docs clean
+.PHONY: help setup demo test check explore lint bench table docs clients clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -45,6 +45,9 @@ table: .venv/.done ## fly the policies and write their tables (half an hour on t
 docs: .venv/.done ## build the site in build/docs; a warning or a broken link is an error
 	$(BIN)/python -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
 	@echo "site: build/docs/index.html"
+
+clients: .venv/.base ## run other libraries against this package, each in an environment of its own (an hour; not in CI)
+	$(BIN)/python tests/clients/run.py
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist docs/generated docs/api/generated *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from typing import Any, NoReturn
@@ -37,8 +36,6 @@ def _run(given: list[str]) -> int:
     kept = "nothing was written"
     try:
         options = parser().parse_args(_asked(given), argparse.Namespace(given=given))
-        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
-            say("NUMBA_DISABLE_JIT is set: the kernels run as plain Python, about a thousand times slower")
         kept = options.kept
         with _results(options):
             return int(options.run(options) or 0)

@@ -21,7 +21,7 @@ from rss_gym.eval.studies.calibration.calibrate import calibrate
 from rss_gym.eval.studies.calibration.output import comment
 from rss_gym.eval.studies.calibration.text import part
 from rss_gym.eval.suites import find
-from rss_gym.files import check_new
+from rss_gym.files import check_new, save_or_keep
 from rss_gym.pages import page
 from rss_gym.pages.page import Section
 from rss_gym.params import CHANNELS, Channel, load_channel
@@ -118,7 +118,7 @@ def run(out: str | os.PathLike[str], episodes: int, workers: int) -> Path:
         save_channel(found.channel, folder / RADIO / CHANNEL, found.comment)
         report.write(result, folder, [section(second, found)])
 
-    folder = records.save(first, out, page=write)
+    folder = save_or_keep(lambda place: records.save(first, place, page=write), out)
     return folder / report.REPORT
 
 

@@ -6,13 +6,15 @@ import os
 import secrets
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
 from rss_gym.locking import free, take
 from rss_gym.params import ParamsError
 
+Saved = TypeVar("Saved")
 MARK = ".unfinished"  # in a folder that is being filled; it names what a process that was killed has left
 NEW = ".new-"
 OURS = ("scores.json", "run.json", "policy.json", "paper.json", "calibration.json", "index.html", "report.html")
@@ -84,6 +86,29 @@ def new_folder(out: str | os.PathLike[str]) -> Iterator[Path]:
             raise ParamsError(
                 f"output folder {str(out)!r} cannot be filled: {error}; the results are in {str(new)!r}"
             ) from error
+
+
+def save_or_keep(save: Callable[[Path], Saved], out: str | os.PathLike[str]) -> Saved:
+    """What `save(out)` gives. Where it cannot write, what took long to compute is saved in the temporary folder.
+
+    Raises
+    ------
+    ParamsError
+        If it could not be saved in `out`; the sentence names the place where it is.
+    """
+    try:
+        return save(Path(out))
+    except (ParamsError, OSError) as error:
+        try:
+            other = Path(tempfile.mkdtemp(prefix="rss-gym-"))
+        except OSError:
+            raise error from None
+        try:
+            save(other / "results")
+        except (ParamsError, OSError):
+            shutil.rmtree(other, ignore_errors=True)
+            raise error from None
+        raise ParamsError(f"{error}; the results are in {str(other / 'results')!r}") from error
 
 
 @contextmanager

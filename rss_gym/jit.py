@@ -98,9 +98,17 @@ def _root_of(function):
 
 @functools.cache
 def announce(root):
-    """Say once per process, on standard error, why the first call takes long, if nothing is compiled yet."""
+    """Say once per process, on standard error, why the first call takes long, if nothing is compiled yet.
+
+    Raises
+    ------
+    ParamsError
+        Where Numba is switched off: the state is kept in records, whose fields only compiled code reads as attributes.
+    """
+    if numba.config.DISABLE_JIT:
+        raise ParamsError("NUMBA_DISABLE_JIT is set, and the world's kernels only run compiled: unset it")
     folder = cache_dir(root)
-    if not numba.config.DISABLE_JIT and (folder is None or not any(folder.rglob("*.nbi"))):
+    if folder is None or not any(folder.rglob("*.nbi")):
         kernel_cache.tell("compiling its kernels for this machine, once per version (about 20 s)")
 
 

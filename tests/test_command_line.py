@@ -207,7 +207,34 @@ def test_an_error_of_the_program_keeps_its_traceback(monkeypatch):
     assert sys.stdout is not None and not hasattr(sys.stdout, "error")  # the streams are as before
 
 
-def test_uncompiled_kernels_are_said_so():
-    process = started(code="pass", env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == 0 and one_sentence(err) and "NUMBA_DISABLE_JIT" in err
+def test_uncompiled_kernels_are_refused(tmp_path):
+    given = ["eval", "--policy", "none", "--episodes", "1", "--out", str(tmp_path / "run")]
+    process = started(*given, env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 2 and not out and one_sentence(err) and "NUMBA_DISABLE_JIT" in err
+    assert not list(tmp_path.iterdir())
+
+
+@posix
+def test_what_was_flown_is_kept_where_the_disk_is_full(tmp_path):
+    """The file system of the folder is full, the one for temporary files is not."""
+    full = (
+        "import rss_gym.files as f, os\n"
+        "whole = f.write_bytes\n"
+        "def write(path, content):\n"
+        "    if str(path).startswith(os.environ['FULL']): raise OSError(28, 'No space left on device', str(path))\n"
+        "    return whole(path, content)\n"
+        "f.write_bytes = write"
+    )
+    given = ["eval", "--policy", "none", "--episodes", "3", "--out", str(tmp_path / "full" / "run")]
+    (tmp_path / "full").mkdir()
+    (tmp_path / "temporary").mkdir()
+    places = {"FULL": str(tmp_path / "full"), "TMPDIR": str(tmp_path / "temporary")}
+    process = started(*given, before=full, env={**os.environ, **places})
+    out, err = process.communicate(timeout=120)
+    sentence = [line for line in err.splitlines() if line.startswith("rss-gym: ")]
+    assert process.returncode == 2 and not out and len(sentence) == 1 and "Traceback" not in err
+    assert "No space left on device" in sentence[0] and "the results are in" in sentence[0]
+    (kept,) = (tmp_path / "temporary").glob("rss-gym-*/results")
+    assert str(kept) in sentence[0] and {"scores.json", "tables", "report.html"} <= set(os.listdir(kept))
+    assert not list((tmp_path / "full").iterdir())

@@ -90,6 +90,7 @@ def run(options: argparse.Namespace) -> None:
 def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: Any) -> Any:
     """Fly and save one record."""
     from rss_gym.eval import evaluate, records, report
+    from rss_gym.files import save_or_keep
 
     result = evaluate(
         options.policy,
@@ -100,5 +101,5 @@ def _flown(options: argparse.Namespace, out: str | os.PathLike[str], **changes: 
         reference=options.reference,
         **changes,
     )
-    records.save(result, out, options.csv, report.write)
+    save_or_keep(lambda folder: records.save(result, folder, options.csv, report.write), out)
     return result

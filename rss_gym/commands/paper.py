@@ -19,11 +19,11 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Compute, write the page and print the summary."""
     from rss_gym.eval import paper
-    from rss_gym.files import check_new
+    from rss_gym.files import check_new, save_or_keep
 
     check_new(options.out)
     reproduction = paper.reproduce(paper.QUICK if options.quick else None, options.seed)
-    folder = paper.write(reproduction, options.out)
+    folder = save_or_keep(lambda out: paper.write(reproduction, out), options.out)
     print(reproduction.summary)
     print(f"numbers: {folder / paper.NUMBERS}")
     print(f"page: {folder / paper.PAGE}")
