@@ -8,7 +8,18 @@ from rss_gym.ranging import filters, log_distance, window
 from rss_gym.ranging.estimator import COLOURED, LEAST_SQUARES, WHITE, WHITE_R, Estimator, Filter, check
 from rss_gym.registry import Registry
 
-__all__ = ["COLOURED", "ESTIMATORS", "LEAST_SQUARES", "WHITE", "WHITE_R", "Estimator", "Filter"]
+__all__ = [
+    "COLOURED",
+    "ESTIMATORS",
+    "LEAST_SQUARES",
+    "WHITE",
+    "WHITE_R",
+    "Estimator",
+    "Filter",
+    "RangeTrack",
+    "Tuning",
+    "track",
+]
 
 _SHIPPED: dict[str, Estimator] = {
     "ls": Estimator(
@@ -34,3 +45,5 @@ _SHIPPED: dict[str, Estimator] = {
 }
 
 ESTIMATORS: Registry[Estimator] = Registry("estimator", _SHIPPED, check, like="my-filter")
+
+from rss_gym.ranging.track import RangeTrack, Tuning, track  # noqa: E402 (it needs the list)

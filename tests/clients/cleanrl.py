@@ -43,4 +43,4 @@ for _ in range(400):
             if info and "episode" in info:
                 ends += 1
 assert ends > 0 and np.isfinite(observation).all()
-print(f"CleanRL's loop: {ends} episodes with their statistics")
+print(f"* CleanRL's loop: {ends} episodes with their statistics")

@@ -20,4 +20,4 @@ learner.fit(
     logger_adapter=d3rlpy.logging.NoopAdapterFactory(),
 )
 score = d3rlpy.metrics.EnvironmentEvaluator(env, n_trials=1)(learner, dataset=None)
-print(f"TD3+BC on {buffer.transition_count} transitions; score of an episode {score:.1f}")
+print(f"* TD3+BC on {buffer.transition_count} transitions; score of an episode {score:.1f}")

@@ -19,7 +19,7 @@ for name in IDS:
             break
     assert info["episode"]["l"] > 0
     assert gym.make(env.spec).reset(seed=1)[0].shape == env.observation_space.shape
-    print(name, "checked")
+    print(f"* {name} checked")
 
 theirs = gym.vector.SyncVectorEnv([lambda: gym.make("rss_gym/Encounter-v0") for _ in range(3)])
 ours = EncounterVectorEnv(3)
@@ -33,7 +33,7 @@ theirs.close()
 try:
     gym.make_vec("rss_gym/Encounter3D-v0", num_envs=2, vectorization_mode="custom")
 except gym.error.Error:
-    print("make_vec in mode `custom` is refused here, as it would drop the keywords of an id")
+    print("* make_vec in mode `custom` is refused here, as it would drop the keywords of an id")
 else:
     raise AssertionError("make_vec made a world without the id's keywords")
 made = gym.make_vec("rss_gym/Encounter3D-v0", num_envs=2, vectorization_mode="sync")
@@ -45,4 +45,4 @@ for _ in range(30):
     *_, infos = statistics.step(statistics.action_space.sample())
     ends += int("episode" in infos)
 assert ends >= 4
-print("vector environments checked")
+print("* vector environments checked")

@@ -27,4 +27,4 @@ trainer = bc.BC(
 trainer.train(n_epochs=1)
 mean, _ = evaluate_policy(trainer.policy, venv, 2)
 assert np.isfinite(mean)
-print(f"BC on {len(transitions)} transitions of a rule: mean return {mean:.1f}")
+print(f"* BC on {len(transitions)} transitions of a rule: mean return {mean:.1f}")

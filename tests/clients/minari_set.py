@@ -24,4 +24,4 @@ assert again.unwrapped.params.channels[0].path_loss_factor == 2.7 or again.unwra
 one = next(iter(found.iterate_episodes()))
 assert np.isfinite(one.rewards).all() and "cost_m" in one.infos
 minari.delete_dataset(name)
-print(f"{made.total_steps} steps collected with their infos, loaded, and the environment recovered")
+print(f"* {made.total_steps} steps collected with their infos, loaded, and the environment recovered")

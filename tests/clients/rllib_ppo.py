@@ -33,4 +33,4 @@ if __name__ == "__main__":
     assert np.isfinite(returned)
     algorithm.stop()
     ray.shutdown()
-    print(f"PPO, two iterations: mean return {returned:.1f}")
+    print(f"* PPO, two iterations: mean return {returned:.1f}")

@@ -106,11 +106,12 @@ def _ran(client: Client, folder: Path, install_s: float, run_s: float) -> tuple[
     except subprocess.TimeoutExpired:
         return versions, f"FAILED: not done after {run_s:.0f} s", False
     lines = [line.strip() for line in done.stdout.splitlines() if line.strip()] or [""]
+    said = [line[2:] for line in lines if line.startswith("* ")]
     if done.returncode:
         last = ([line for line in done.stderr.splitlines() if line.strip()] or lines)[-1]
         return versions, f"FAILED: {_cell(last)}", False
     print(f"{time.monotonic() - started:.0f} s")
-    return versions, _cell("; ".join(line for line in lines[-4:] if not line.startswith(("|", "-", "Dataset")))), True
+    return versions, _cell("; ".join(said)), True
 
 
 def _cell(text: str) -> str:

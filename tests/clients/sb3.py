@@ -34,7 +34,7 @@ if __name__ == "__main__":
         assert len(model.ep_info_buffer) > 0 and np.isfinite(model.ep_info_buffer[0]["r"])
         venv.close()
         assert len(load_results(str(folder / make.__module__))) > 0
-    print("PPO on both make_vec_env: ep_rew_mean and monitor files")
+    print("* PPO on both make_vec_env: ep_rew_mean and monitor files")
 
     for kind in (A2C, PPO, TRPO, RecurrentPPO):
         policy = "MlpLstmPolicy" if kind is RecurrentPPO else "MlpPolicy"
@@ -43,7 +43,7 @@ if __name__ == "__main__":
         kind("MlpPolicy", make_vec_env(ID, n_envs=2, seed=0), learning_starts=50, device="cpu").learn(120)
     ARS("LinearPolicy", make_vec_env(ID, n_envs=1, seed=0, max_episode_steps=20), n_delta=2, device="cpu").learn(200)
     DQN("MlpPolicy", make_vec_env(ID, action="discrete"), learning_starts=50, device="cpu").learn(120)
-    print("A2C, PPO, TRPO, RecurrentPPO, SAC, TD3, TQC, ARS, DQN: trained")
+    print("* A2C, PPO, TRPO, RecurrentPPO, SAC, TD3, TQC, ARS, DQN: trained")
 
     wrapped = make_vec_env(ID, n_envs=2, wrapper_class=gym.wrappers.ClipAction, max_episode_steps=9)
     model = PPO("MlpPolicy", wrapped, n_steps=32, batch_size=32, device="cpu").learn(128)
@@ -57,4 +57,4 @@ if __name__ == "__main__":
     model.save(folder / "model")
     again = PPO.load(folder / "model", env=venv, device="cpu")
     assert np.isfinite(evaluate_policy(again, venv, n_eval_episodes=2)).all()
-    print("wrappers, SubprocVecEnv, VecNormalize, EvalCallback, save and load")
+    print("* wrappers, SubprocVecEnv, VecNormalize, EvalCallback, save and load")

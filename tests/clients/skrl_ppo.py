@@ -18,4 +18,4 @@ for made in (gym.make("rss_gym/Encounter-v0"), gym.make_vec("rss_gym/Encounter-v
         if ended and env.num_envs == 1:
             env.reset()
     assert ends > 0 and torch.isfinite(observation).all() and reward.shape == (env.num_envs, 1)
-print("wrap_env of a single and of the vector environment")
+print("* wrap_env of a single and of the vector environment")

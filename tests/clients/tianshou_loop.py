@@ -18,4 +18,4 @@ for _ in range(250):
     if ended.any():
         envs.reset(ended.nonzero()[0])
 assert ends > 0 and VectorReplayBuffer(100, 2).maxsize == 100 and Collector
-print(f"DummyVectorEnv: {ends} episodes")
+print(f"* DummyVectorEnv: {ends} episodes")

@@ -20,4 +20,4 @@ if __name__ == "__main__":
     collector = Collector(made, made.rand_action, frames_per_batch=200, total_frames=400)
     frames = sum(batch.numel() for batch in collector)
     assert frames == 400 and torch.isfinite(rollout["observation"]).all()
-    print("check_env_specs of every id, single, with infos and vectorised; 400 frames of a collector")
+    print("* check_env_specs of every id, single, with infos and vectorised; 400 frames of a collector")

@@ -24,4 +24,4 @@ if __name__ == "__main__":
     subprocess.run([*train, "--eval-freq", "500", "--eval-episodes", "1", "-P"], check=True, cwd=folder)
     enjoy = [sys.executable, "-m", "rl_zoo3.enjoy", *common, "--no-render", "-n", "300", "--device", "cpu"]
     subprocess.run(enjoy, check=True, cwd=folder)
-    print("train and enjoy")
+    print("* train and enjoy")

@@ -198,3 +198,19 @@ def test_agrees_with_the_worlds_kernel(x, y):
 def test_bad_input_is_one_sentence(call, words):
     with pytest.raises(ParamsError, match=words):
         call()
+
+
+def test_the_package_gives_the_functions_not_the_modules_of_their_names():
+    import importlib
+    import pkgutil
+
+    import rss_gym
+
+    hidden = []
+    for library in ("avoidance", "positioning", "radio", "ranging", "safety"):
+        package = importlib.import_module(f"rss_gym.{library}")
+        for module in pkgutil.iter_modules(package.__path__):
+            found = importlib.import_module(f"rss_gym.{library}.{module.name}")
+            if callable(getattr(found, module.name, None)) and not callable(getattr(package, module.name)):
+                hidden.append(f"{library}.{module.name}")
+    assert hidden == [] and rss_gym
