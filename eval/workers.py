@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import multiprocessing
-import os
 import pickle
-import signal
-import threading
 from collections import deque
-from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
-from multiprocessing.connection import Connection
+from collections.abc import Generator, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future
 
 import numpy as np
 
 from rss_gym import registry
 from rss_gym.eval.episodes import Block, PolicyError, WorkerError, described, fly_episodes
 from rss_gym.eval.policies import Entry, entry
+from rss_gym.eval.processes import interrupts_held, process_pool
 from rss_gym.params import Params, ParamsError
 
 NOMINAL = "none"  # the denominator of every risk ratio
@@ -78,20 +74,8 @@ def fly_blocks(
     if executor is not None:
         yield from _submitted(executor, recipes, params, blocks)
         return
-    # A worker ends as soon as the other end of this pipe is closed, be it here or because this process was killed.
-    lifeline, held = multiprocessing.Pipe(duplex=False)
-    # Spawned, not forked: the same on every system, and no thread is copied in the middle of its work.
-    spawn = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(processes, spawn, initializer=_begin, initargs=(lifeline,))
-    try:
+    with process_pool(processes) as pool:
         yield from _submitted(pool, recipes, params, blocks)
-    except BaseException:
-        held.close()
-        raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-        held.close()
-        lifeline.close()
 
 
 def _submitted(
@@ -139,31 +123,7 @@ def _recipe(item: Entry, named: bool) -> Recipe:
         ) from error
 
 
-@contextlib.contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back; processes started meanwhile never see it, so that only this one decides what it ends."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 # In the worker
-
-
-def _begin(lifeline: Connection) -> None:
-    threading.Thread(target=end_with, args=(lifeline,), daemon=True).start()
-
-
-def end_with(lifeline: Connection) -> None:
-    """End this process, at once, when the other end of the pipe is closed."""
-    with contextlib.suppress(OSError):  # how Windows says that the other end is closed
-        lifeline.poll(None)  # nothing is ever sent
-    os._exit(1)
 
 
 def fly_sent(sent: bytes, recipes: Recipes, params: Params, block: Block) -> list[np.ndarray]:

@@ -38,6 +38,7 @@ STEPS_MAX = 10**12
 SIZE_MAX = 65536  # bytes
 SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
 IMITATORS = ("pathwise", "ppo")
+DISCRETE = ("ppo", "recurrent-ppo")  # that can choose among discrete actions
 HEAD = ("summary", "algorithm", "env", "steps")
 
 
@@ -89,8 +90,10 @@ class Recipe:
         params = self.params
         if params.interface.action == "discrete":
             raise ParamsError("[world]: action 'discrete' cannot be exported; use velocity")
-        if self.domain is ROAD and self.algorithm == "sac":
-            raise ParamsError("[recipe]: algorithm 'sac' cannot choose a road's discrete actions; use ppo")
+        if self.domain is ROAD and self.algorithm not in DISCRETE:
+            raise ParamsError(
+                f"[recipe]: algorithm {self.algorithm!r} cannot choose a road's discrete actions; use ppo"
+            )
         if not self.world.get("radio", True):
             raise ParamsError(
                 "[world]: radio = false is of the environment alone; [policy] zeroed = 'radio' takes the vehicles' "

@@ -10,24 +10,20 @@ agent/            the best seed's policy folder
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
-import threading
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gymnasium.spaces import Discrete
-from tqdm import tqdm
 
 from rss_gym import registry
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.policy_files import DOCUMENT
 from rss_gym.domain import ROAD
-from rss_gym.eval.workers import end_with, interrupts_held
+from rss_gym.eval.processes import interrupts_held, process_pool
 from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
 from rss_gym.params import ParamsError
 from rss_gym.plain_files import read_json
@@ -243,28 +239,14 @@ def _seed(folder: str, index: int, show: bool | None, position: int = 0, sent: b
 
 def _spread(folder: Path, count: int, workers: int, show: bool | None) -> None:
     """Train the seeds in processes of their own, which end with this one."""
-    lifeline, held = multiprocessing.Pipe(duplex=False)
-    spawn = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, count), spawn, initializer=_begin, initargs=(lifeline,))
     try:
-        sent = registry.added()
-        with interrupts_held():
-            seeds = {pool.submit(_seed, str(folder), index, show, index, sent): index for index in range(count)}
-        for seed in as_completed(seeds):
-            _report(seeds[seed], seed.result())
+        with process_pool(min(workers, count)) as pool:
+            sent = registry.added()
+            with interrupts_held():
+                seeds = {pool.submit(_seed, str(folder), index, show, index, sent): index for index in range(count)}
+            for seed in as_completed(seeds):
+                _report(seeds[seed], seed.result())
     except BrokenProcessPool as error:
         raise ParamsError(
             f"a process that trained a seed died (out of memory, or killed); go on with --resume {folder}"
         ) from error
-    except BaseException:
-        held.close()
-        raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-        held.close()
-        lifeline.close()
-
-
-def _begin(lifeline: Connection) -> None:
-    tqdm.set_lock(threading.RLock())  # its own is shared between processes, and left behind by one that ends at once
-    threading.Thread(target=end_with, args=(lifeline,), daemon=True).start()

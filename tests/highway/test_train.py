@@ -44,9 +44,10 @@ def test_refused(changes, sentence):
         recipes.load("highway", changes)
 
 
-def test_an_algorithm_without_discrete_actions_is_refused():
-    tables = {"recipe": {"algorithm": "sac", "env": "rss_gym/Highway-v0", "steps": 10}}
-    with pytest.raises(ParamsError, match="'sac' cannot choose a road's discrete actions"):
+@pytest.mark.parametrize("algorithm", ["sac", "pathwise"])
+def test_an_algorithm_without_discrete_actions_is_refused(algorithm):
+    tables = {"recipe": {"algorithm": algorithm, "env": "rss_gym/Highway-v0", "steps": 10}}
+    with pytest.raises(ParamsError, match=f"'{algorithm}' cannot choose a road's discrete actions"):
         recipes.from_dict("mine", tables)
 
 
@@ -94,6 +95,17 @@ def test_a_run_is_exported_and_scored(run, tmp_path, capsys):
     assert main([*arguments, "--out", str(tmp_path / "scores")]) == 0
     assert main(["verify", str(tmp_path / "scores")]) == 0
     assert "mine" in capsys.readouterr().out
+
+
+def test_a_model_of_sb3_is_exported(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    from rss_gym.train.convert import export_model
+    from rss_gym.train.learner import Learner
+
+    learner = Learner.new(short(), 3)
+    learner.save_model(tmp_path / "model.zip")
+    assert export_model(tmp_path / "model.zip", tmp_path / "out", "rss_gym/Highway-v0") == 0.0
+    assert load_agent(tmp_path / "out", ROAD).discrete
 
 
 def test_a_run_is_shipped(run, tmp_path):

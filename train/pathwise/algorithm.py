@@ -144,7 +144,8 @@ class Pathwise(BaseAlgorithm):
                     "without VecNormalize of the observations"
                 )
             venv = venv.venv
-        batch: Batch = venv.batch
+        batch = venv.batch
+        assert isinstance(batch, Batch)
         return batch, kept("nothing", batch.params) if fields is None else fields
 
     def _record(self, batch: Batch, collided: np.ndarray) -> None:
