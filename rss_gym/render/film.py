@@ -26,6 +26,7 @@ SUFFIXES = (".mp4", ".gif", ".png")
 COLOURS = 48  # of an animation: the drawings have few, and each more costs bytes
 PAUSE_S = 2.0  # on the last frame of an animation
 _TITLE_PX = 34
+_MAX_COVERAGE = 1  # of `PIL.Image.Quantize`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,7 +198,8 @@ def animated(pictures: Iterator[NDArray[np.uint8]], every: int) -> bytes:
     """
     images = [pillow("Image").fromarray(frame) for frame in pictures]
     chosen = np.concatenate([np.asarray(images[at]) for at in (0, len(images) // 2, -1)])
-    palette = pillow("Image").fromarray(chosen).quantize(COLOURS, dither=0)
+    # Of the methods the one that keeps a colour that few pixels have, such as that of a distant intruder.
+    palette = pillow("Image").fromarray(chosen).quantize(COLOURS, method=_MAX_COVERAGE, dither=0)
     reduced = [image.quantize(palette=palette, dither=0) for image in images]
     pause = [round(1000 * every / RENDER_FPS)] * (len(reduced) - 1) + [round(1000 * PAUSE_S)]
     file = io.BytesIO()
