@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rss_gym.calibration.logs.options import ReadOptions
 from rss_gym.calibration.logs.record import (
+    AT_ONE_PLACE,
     BACKWARDS,
     DISTANCE,
     DISTANCE_LIMITS_M,
@@ -42,6 +43,9 @@ SENTINELS_DBM = frozenset(
 _APART_DB = 8.0  # between such a number and the signals
 _EDGE_SHARE, _EDGE_RATIO, _EDGE_LEVELS = 0.05, 1.5, 8
 _SPREAD_FROM = 0.2  # share of repeated times above which the clock is taken as coarse
+_ISOLATED = 0.01  # share of rows out of order up to which they are single ones
+_SESSION_ROWS, _PAUSE = 10, 100.0  # rows of a session at least, and intervals between two
+_ANEW = 5.0  # intervals after the first time of all within which a clock has begun anew
 _VELOCITY_SHARE = 0.5
 _SLOW_MPS, _FAST_MPS = 1e-3, 300.0
 
@@ -98,6 +102,7 @@ def _clean(file: LogFile, rows: Rows, options: ReadOptions, start_s: float) -> l
     _say(file, rows, rows.rss_dbm >= 0.0, NOT_BELOW_0, rows.rss_dbm)
     _say(file, rows, np.isnan(rows.distance_m), MISSING, rows.distance_m)
     low, high = DISTANCE_LIMITS_M
+    _say(file, rows, rows.distance_m == 0.0, AT_ONE_PLACE, rows.distance_m)
     _say(file, rows, ~((rows.distance_m >= low) & (rows.distance_m <= high)), DISTANCE, rows.distance_m)
     notes += _in_order(file, rows)
     return notes
@@ -152,16 +157,26 @@ def _in_order(file: LogFile, rows: Rows) -> list[str]:
     """Times that rise: the most rows that do are kept; a coarse clock is spread out."""
     used = np.flatnonzero(rows.reason == USED)
     steps = np.diff(rows.time_s[used])
+    notes = []
     if (steps < 0.0).any():
         keep = _longest_rising(rows.time_s[used])
-        back = np.ones(rows.reason.size, bool)
-        back[used[keep]] = False
-        _say(file, rows, back, BACKWARDS, rows.time_s)
-        used = used[keep]
+        joined = _joined(rows.time_s[used]) if used.size - keep.size > _ISOLATED * used.size else None
+        if joined is None:
+            back = np.ones(rows.reason.size, bool)
+            back[used[keep]] = False
+            _say(file, rows, back, BACKWARDS, rows.time_s)
+            used = used[keep]
+        else:
+            notes.append(
+                f"link {rows.link!r}: the clock is set back {(steps < 0.0).sum()} times, first in {file.row} "
+                f"{rows.number[used[np.argmax(steps < 0.0) + 1]]:.0f}; it is taken to go on there"
+            )
+            rows.time_s = rows.time_s.copy()
+            rows.time_s[used] = joined
         steps = np.diff(rows.time_s[used])
     same = np.flatnonzero(steps == 0.0) + 1
     if not same.size:
-        return []
+        return notes
     copies = (rows.rss_dbm[used[same]] == rows.rss_dbm[used[same - 1]]) & (
         rows.distance_m[used[same]] == rows.distance_m[used[same - 1]]
     )
@@ -169,14 +184,30 @@ def _in_order(file: LogFile, rows: Rows) -> list[str]:
         rows.time_s = rows.time_s.copy()
         rows.time_s[used] = _spread(rows.time_s[used])
         return [
+            *notes,
             f"link {rows.link!r}: {same.size} of {used.size} rows repeat the time of the row before, as of a "
             "coarse clock; "
-            "rows of one time are spread evenly up to the next"
+            "rows of one time are spread evenly up to the next",
         ]
     where = np.zeros(rows.reason.size, bool)
     where[used[same]] = True
     _say(file, rows, where, DUPLICATE, rows.time_s)
-    return []
+    return notes
+
+
+def _joined(time_s: Floats) -> Floats | None:
+    """Times that go on where the clock was set back, after a pause where it began anew; None if that is too often."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(time_s) < 0.0) + 1])
+    ends = np.append(starts[1:], time_s.size)
+    if (ends - starts).min() < _SESSION_ROWS:
+        return None
+    steps = np.diff(time_s)
+    interval_s = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 1.0
+    joined = time_s.copy()
+    for start, end in zip(starts[1:], ends[1:], strict=True):
+        anew = time_s[start] <= time_s[0] + _ANEW * interval_s
+        joined[start:end] += joined[start - 1] - time_s[start] + interval_s * (_PAUSE if anew else 1.0)
+    return joined
 
 
 def _longest_rising(time_s: Floats) -> NDArray[np.intp]:

@@ -14,7 +14,7 @@ from rss_gym.calibration.logs.record import Floats
 
 DAY_S = 86_400.0
 _CLOCK = re.compile(r"(\d{1,3}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?$")
-_STYLES = ("%Y/%m/%d %H:%M:%S", "%d.%m.%Y %H:%M:%S", "%Y-%m-%d_%H-%M-%S")
+_STYLES = ("%Y/%m/%d %H:%M:%S", "%d.%m.%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S", "%Y-%m-%d_%H-%M-%S")
 # Since 1970, between 1990 and 2100: the unit is told by the number alone.
 _EPOCH_S = (6e8, 4.2e9)
 _INTERVALS_S = (0.002, 10.0)

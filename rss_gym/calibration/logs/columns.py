@@ -22,9 +22,15 @@ NAMES: dict[str, tuple[str, ...]] = {
     **{key: (key,) for key in ("x2", "y2", "z2")},
     **{key: (key, f"v {key[1:]}", f"velocity {key[1:]}") for key in ("vx", "vy", "vz")},
     **{key: (key,) for key in ("vx2", "vy2", "vz2")},
-    **{f"lat{end}": (f"lat{end}", f"latitude{end}") for end in ("", "2")},
-    **{f"lon{end}": (f"lon{end}", f"lng{end}", f"longitude{end}") for end in ("", "2")},
-    **{f"alt{end}": (f"alt{end}", f"altitude{end}", f"height{end}") for end in ("", "2")},
+    **{f"lat{end}": (f"lat{end}", f"latitude{end}", f"gps lat{end}", f"gps latitude{end}") for end in ("", "2")},
+    **{
+        f"lon{end}": (f"lon{end}", f"lng{end}", f"longitude{end}", f"gps lon{end}", f"gps longitude{end}")
+        for end in ("", "2")
+    },
+    **{
+        f"alt{end}": (f"alt{end}", f"altitude{end}", f"height{end}", f"gps alt{end}", f"gps altitude{end}")
+        for end in ("", "2")
+    },
     "vn": ("vn", "vel north", "v north", "north velocity"),
     "ve": ("ve", "vel east", "v east", "east velocity"),
     "vd": ("vd", "vel down", "v down", "down velocity"),

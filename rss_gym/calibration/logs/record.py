@@ -20,7 +20,7 @@ NEAREST_M = 1.0  # the reference distance of (2): an aircraft on its launch poin
 # Reasons for which a row is not used; 0 is a row in use.
 USED: Final = 0
 MISSING, CORRUPT, LIMITS, DISTANCE, NOT_BELOW_0, BACKWARDS = 1, 2, 3, 4, 5, 6
-NO_RSS, SENTINEL, SATURATED = 20, 21, 22
+NO_RSS, SENTINEL, SATURATED, AT_ONE_PLACE = 20, 21, 22, 23
 DUPLICATE, COPY = 40, 41
 NO_POSITION, TOO_NEAR, NOT_ARMED, ON_GROUND, OUTSIDE = 60, 61, 62, 63, 64
 
@@ -34,6 +34,7 @@ REASONS: dict[int, str] = {
     NO_RSS: "no RSS",
     SENTINEL: "a number that stands for no signal",
     SATURATED: "an RSS at the edge of what the receiver reports",
+    AT_ONE_PLACE: "a distance of 0",
     DUPLICATE: "the time of the row before",
     COPY: "a copy of another report",
     NO_POSITION: "no position near in time",
@@ -45,7 +46,7 @@ REASONS: dict[int, str] = {
 # A log is refused where more of its rows than these shares have such a reason. Copies are no fault, and rows on the
 # ground are no part of the flight: they have no limit.
 FAULTS = frozenset(range(MISSING, NO_RSS))
-NO_SIGNAL = frozenset((NO_RSS, SENTINEL, SATURATED))
+NO_SIGNAL = frozenset((NO_RSS, SENTINEL, SATURATED, AT_ONE_PLACE))
 FAULTS_MAX, NO_SIGNAL_MAX = 0.05, 0.5
 
 

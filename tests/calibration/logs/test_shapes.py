@@ -66,7 +66,14 @@ def test_slow_sampling_in_seconds_is_not_taken_for_milliseconds(log):
 
 @pytest.mark.parametrize(
     "style",
-    ["%Y-%m-%dT%H:%M:%S.%fZ", "%Y-%m-%d %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S.%f", "%d.%m.%Y %H:%M:%S.%f", "%H:%M:%S.%f"],
+    [
+        "%Y-%m-%dT%H:%M:%S.%fZ",
+        "%Y-%m-%d %H:%M:%S.%f",
+        "%Y/%m/%d %H:%M:%S.%f",
+        "%d.%m.%Y %H:%M:%S.%f",
+        "%d/%m/%Y %H:%M:%S.%f",
+        "%H:%M:%S.%f",
+    ],
 )
 def test_dates_and_clocks_over_midnight(log, style):
     start = datetime(2024, 4, 25, 23, 59, 45, tzinfo=UTC).timestamp()
@@ -224,6 +231,25 @@ def test_a_clock_that_is_set_back_costs_the_fewest_rows(log):
     stamps[50] = 4e5  # one stamp far ahead, and the rest goes on
     found = read(log(("t", "rss", "dist"), stamps, RSS_DBM, DISTANCE_M))
     check(found[0], np.delete(np.arange(N), 50))
+
+
+@pytest.mark.parametrize("back_s", [3.0, 17.0])
+def test_a_clock_that_is_set_back_goes_on_there(log, back_s):
+    stamps = TIME_S - back_s * (np.arange(N) >= 120)
+    found = read(log(("t", "rss", "dist"), stamps, RSS_DBM, DISTANCE_M))
+    check(found[0])
+    assert "the clock is set back 1 times, first in line 122; it is taken to go on there" in found.notes[0]
+
+
+def test_sessions_that_begin_anew_are_apart(log):
+    stamps = np.concatenate([TIME_S[:80], TIME_S[:120]])
+    found = read(log(("t", "rss", "dist"), stamps, RSS_DBM, DISTANCE_M))
+    assert found[0].time_s.size == N and np.diff(found[0].time_s).max() == pytest.approx(20.0)
+
+
+def test_an_aircraft_on_its_launch_point(log):
+    found = read(log(("t", "rss", "dist"), TIME_S, RSS_DBM, np.where(np.arange(N) < 60, 0.0, DISTANCE_M)))
+    assert found[0].time_s.size == N - 60 and found[0].reasons == {"a distance of 0": 60}
 
 
 def test_an_implausible_speed_is_named(log):
