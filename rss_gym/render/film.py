@@ -23,10 +23,9 @@ from rss_gym.render.style import INK, MUTED, PANEL
 __all__ = ["SUFFIXES", "Flight", "animated", "beside", "fly", "frames", "nearest", "save", "suffix"]
 
 SUFFIXES = (".mp4", ".gif", ".png")
-COLOURS = 48  # of an animation: the drawings have few, and each more costs bytes
+COLOURS = 64  # of an animation: the drawings have few, and each more costs bytes
 PAUSE_S = 2.0  # on the last frame of an animation
 _TITLE_PX = 34
-_MAX_COVERAGE = 1  # of `PIL.Image.Quantize`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -194,12 +193,14 @@ def _png(frame: NDArray[np.uint8]) -> bytes:
 def animated(pictures: Iterator[NDArray[np.uint8]], every: int) -> bytes:
     """A GIF of frames that are so many decisions apart.
 
-    All have the colours of the first, the middle and the last one, so that what stays the same is stored once.
+    All have the most frequent colours of the first, the middle and the last one, so that what stays the same is stored
+    once.
     """
     images = [pillow("Image").fromarray(frame) for frame in pictures]
-    chosen = np.concatenate([np.asarray(images[at]) for at in (0, len(images) // 2, -1)])
-    # Of the methods the one that keeps a colour that few pixels have, such as that of a distant intruder.
-    palette = pillow("Image").fromarray(chosen).quantize(COLOURS, method=_MAX_COVERAGE, dither=0)
+    chosen = np.concatenate([np.asarray(images[at]).reshape(-1, 3) for at in (0, len(images) // 2, -1)])
+    colours, counts = np.unique(chosen, axis=0, return_counts=True)
+    palette = pillow("Image").new("P", (1, 1))
+    palette.putpalette(colours[np.argsort(-counts, kind="stable")[:COLOURS]].ravel().tolist())
     reduced = [image.quantize(palette=palette, dither=0) for image in images]
     pause = [round(1000 * every / RENDER_FPS)] * (len(reduced) - 1) + [round(1000 * PAUSE_S)]
     file = io.BytesIO()
