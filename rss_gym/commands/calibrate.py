@@ -11,35 +11,39 @@ from typing import Any
 
 from rss_gym.commands.shared import add_out
 
-HELP = "a channel from radio logs, with range errors on a test"
+HELP = "fit a channel to radio logs, and compare the range errors of the estimators on a test"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     # A station south of the equator begins with a minus.
     parser._negative_number_matcher = re.compile(r"^-\d[-\d.,e]*$")
-    parser.add_argument("fit", nargs="+", metavar="FIT", help="logs to fit")
+    parser.add_argument("fit", nargs="+", metavar="FIT", help="radio logs that the channel is fitted to")
     parser.add_argument(
         "--test",
         nargs="+",
         action="extend",
         default=[],
         metavar="TEST",
-        help="logs to test on; default: the last third of each record",
+        help="logs to test on (default: the last third of each record)",
     )
     parser.add_argument("--inspect", action="store_true", help="only say what the logs hold and what would be dropped")
     parser.add_argument("--out", metavar="FILE", help="channel to write, such as channel.toml")
     add_out(parser, "DIR", "new folder for the page and calibration.json", required=False, name="report")
     parser.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
     reading = parser.add_argument_group("reading", "where a log does not say so itself")
-    reading.add_argument("--format", metavar="NAME", help="csv, mavlink, ...; default: told by the content")
+    reading.add_argument(
+        "--format", metavar="NAME", help="format of the logs: csv, mavlink, ... (default: found from the content)"
+    )
     reading.add_argument(
         "--columns",
         default="",
         metavar="t=..,rss=..,dist=..",
         help="names of a table's columns or a bag's fields; 1=t,2=rss,3=dist for a table without a header",
     )
-    reading.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="default: told by the numbers")
+    reading.add_argument(
+        "--time-unit", choices=("s", "ms", "us", "ns"), help="unit of the time (default: found from the numbers)"
+    )
     reading.add_argument(
         "--melt",
         nargs="?",
@@ -50,16 +54,30 @@ def add(parser: argparse.ArgumentParser) -> None:
     reading.add_argument(
         "--truth", metavar="FILE", help="table with the true distances or positions, over the same clock"
     )
-    reading.add_argument("--offset-db", type=float, default=0.0, metavar="DB", help="added to a power that is relative")
+    reading.add_argument(
+        "--offset-db", type=float, default=0.0, metavar="DB", help="level added to a power that is relative"
+    )
     reading.add_argument(
         "--station",
         metavar="LAT,LON,ALT",
         help="where the fixed end is: degrees and m, or x,y,z in m for local positions",
     )
     reading.add_argument(
-        "--from", type=float, default=-math.inf, dest="from_s", metavar="S", help="after the first row"
+        "--from",
+        type=float,
+        default=-math.inf,
+        dest="from_s",
+        metavar="S",
+        help="use rows from S seconds after the first one on",
     )
-    reading.add_argument("--to", type=float, default=math.inf, dest="to_s", metavar="S", help="after the first row")
+    reading.add_argument(
+        "--to",
+        type=float,
+        default=math.inf,
+        dest="to_s",
+        metavar="S",
+        help="use rows until S seconds after the first one",
+    )
     reading.add_argument("--whole", action="store_true", help="use rows on the ground and while not armed too")
 
 

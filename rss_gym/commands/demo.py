@@ -8,14 +8,18 @@ import os
 
 from rss_gym.commands.shared import add_out, add_workers, count
 
-HELP = "the rule of the paper over its radius beside other rules and learned agents, on two channels"
+HELP = "fly the rule of the paper at several radii beside other rules and learned agents, on two channels"
 EPISODES = 10_000
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
-        "--episodes", type=count, default=EPISODES, metavar="N", help=f"encounters of a row (default: {EPISODES:,})"
+        "--episodes",
+        type=count,
+        default=EPISODES,
+        metavar="N",
+        help=f"encounters that each policy flies (default: {EPISODES:,})",
     )
     add_workers(parser, default=2)
     add_out(parser, "DIR", "new folder (default: runs/demo, or the next free number)", required=False)

@@ -21,29 +21,27 @@ def add(parser: argparse.ArgumentParser) -> None:
         action="extend",
         required=True,
         metavar="NAME",
-        help="such as none orthogonal:radius_m=60; all for every one that can fly there",
+        help="policies, such as none orthogonal:radius_m=60; all flies every one that can fly there",
     )
     parser.add_argument(
         "--suite",
         default="encounter-v0",
-        help="see rss-gym list; highway-v0 and others are roads (default: encounter-v0)",
+        help="suite of rss-gym list; highway-v0 and others are roads (default: encounter-v0)",
     )
     parser.add_argument("--episodes", type=count, metavar="N", help="number of encounters (default: the suite's)")
-    parser.add_argument("--seed", type=int, help="of the encounters (default: the suite's)")
+    parser.add_argument("--seed", type=int, help="seed of the encounters (default: the suite's)")
     add_channel(parser)
     parser.add_argument(
         "--information",
         nargs="+",
         action="extend",
         metavar="LEVEL",
-        help="oracle, positions or ranges; several give a folder each in DIR",
+        help="level of information: oracle, positions or ranges; several make a folder each in DIR",
     )
     parser.add_argument(
-        "--estimator", metavar="NAME", help="of the range, such as ekf-coloured or ls: see rss-gym list"
+        "--estimator", metavar="NAME", help="estimator of the range, such as ekf-coloured or ls; see rss-gym list"
     )
-    parser.add_argument(
-        "--tracker", metavar="NAME", help="of the intruder's relative state, such as fused: see rss-gym list"
-    )
+    parser.add_argument("--tracker", metavar="NAME", help="tracker of the intruders, such as fused; see rss-gym list")
     parser.add_argument(
         "--families", nargs="+", action="extend", metavar="NAME", help="draw from these families of encounters only"
     )

@@ -6,7 +6,7 @@ import argparse
 
 from rss_gym.commands.shared import add_out
 
-HELP = "one page of ranked tables from several records"
+HELP = "make one page of ranked tables from several records"
 
 
 def add(parser: argparse.ArgumentParser) -> None:

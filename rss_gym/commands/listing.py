@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-HELP = "ids, policies, channel presets, estimators, trackers, families, recipes and suites"
+HELP = "list the ids, policies, channel presets, estimators, trackers, families, recipes and suites"
 
 
 def add(parser: argparse.ArgumentParser) -> None:

@@ -6,13 +6,13 @@ import argparse
 
 from rss_gym.commands.shared import add_out
 
-HELP = "every figure and number of the paper, beside what comes out"
+HELP = "compute every figure and number of the paper, and compare them with what it states"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add_out(parser, "DIR", "new folder for paper.json and index.html")
-    parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of everything that is drawn (default: 0)")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions: wider intervals, in some seconds")
 
 

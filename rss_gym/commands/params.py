@@ -5,12 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 
-HELP = "every parameter of the world, with default, unit, range and meaning"
+HELP = "list every parameter of the world with its default, unit, range and meaning"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("filter", nargs="?", default="", metavar="FILTER", help="only what has this text in it")
+    parser.add_argument(
+        "filter",
+        nargs="?",
+        default="",
+        metavar="FILTER",
+        help="list only parameters with this text in their name, group or meaning",
+    )
     parser.add_argument("--json", action="store_true", help="print the parameters as JSON")
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rss_gym.arguments import count
 
-HELP = "a video, an animation or a picture of policies that fly the same encounter side by side"
+HELP = "write a video, an animation or a picture of policies that fly the same encounter side by side"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -37,9 +37,13 @@ def add_flight(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--policy", nargs="+", required=True, metavar="NAME|FOLDER", help="policies, drawn from left to right"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="which encounter (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the encounter (default: 0)")
     parser.add_argument(
-        "--env", choices=list(IDS), default="rss_gym/Encounter-v0", metavar="ID", help="default: rss_gym/Encounter-v0"
+        "--env",
+        choices=list(IDS),
+        default="rss_gym/Encounter-v0",
+        metavar="ID",
+        help="environment (default: rss_gym/Encounter-v0)",
     )
     parser.add_argument(
         "--set", nargs="+", action="extend", metavar="KEY=VALUE", help="parameters of the world, such as intruders=2"

@@ -35,7 +35,7 @@ def add_channel(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         metavar="PRESET|FILE",
-        help="channel of the radio, or several to draw from once an encounter",
+        help="channel of the radio, or several, of which one is drawn for each encounter",
     )
 
 

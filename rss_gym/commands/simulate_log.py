@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-HELP = "a log of a simulated flight, for trying rss-gym calibrate"
+HELP = "write the log of a simulated flight, to try rss-gym calibrate"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -16,10 +16,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="csv (default), positions, milliseconds, wide, prose, bare, relative, edgetx, mavlink, dataflash, ulog, "
         "rosbag or mcap",
     )
-    parser.add_argument("--channel", default="outdoor", metavar="PRESET|FILE", help="default: outdoor")
+    parser.add_argument(
+        "--channel", default="outdoor", metavar="PRESET|FILE", help="channel of the radio (default: outdoor)"
+    )
     parser.add_argument("--seconds", type=float, default=300.0, help="time in the air (default: 300)")
     parser.add_argument("--rate", type=float, default=5.0, metavar="HZ", help="samples of the RSS (default: 5)")
-    parser.add_argument("--seed", type=int, default=0, help="of the path and the noise (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the path and the noise (default: 0)")
     parser.add_argument("--out", required=True, metavar="FILE", help="new file for the log")
 
 

@@ -20,7 +20,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     add_workers(parser, "processes, each with one seed at a time (default: 1)")
     add_channel(parser)
-    parser.add_argument("--information", metavar="LEVEL", help="oracle, positions or ranges")
+    parser.add_argument("--information", metavar="LEVEL", help="level of information: oracle, positions or ranges")
     parser.add_argument("--resume", metavar="RUN", help="go on with the run in this folder from its checkpoints")
     parser.add_argument(
         "--set",

@@ -10,7 +10,7 @@ from pathlib import Path
 from rss_gym.arguments import count
 from rss_gym.commands.record import add_flight, flights
 
-HELP = "policies that fly the same encounters side by side, in a window or, without a display, in a file"
+HELP = "show policies that fly the same encounters side by side, in a window or, without a display, in a file"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +20,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--encounters",
         type=count,
         metavar="N",
-        help="how many, with seed and those after it (default: until it is closed)",
+        help="number of encounters, by the seed and those after it (default: until the window is closed)",
     )
 
 
