@@ -11,7 +11,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 .NOTPARALLEL:
-.PHONY: help setup demo test check explore lint bench table docs clients clean
+.PHONY: help setup demo test check explore lint bench table board docs clients clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1	\2/p' $(MAKEFILE_LIST)
@@ -48,6 +48,15 @@ docs: .venv/.done ## build the site in build/docs; a warning or a broken link is
 
 clients: .venv/.base ## run other libraries against this package, each in an environment of its own (an hour; not in CI)
 	$(BIN)/python tests/clients/run.py
+
+# A season of the package's own policies in runs/board, its secret and key beside it; nothing of it is published by itself.
+BOARD_SUITES ?= encounter-v0 encounter3d-v0 range-only-v0 gnss-v0 radios-v0 turning-v0 degenerate-v0 separating-v0 merging-v0 highway-v0
+BOARD_ENCOUNTERS ?= 1000
+board: .venv/.done ## fly a sealed season of all policies and write its pages, runs/board/site (goes on where it was interrupted)
+	test -f runs/board/season.json || $(BIN)/rss-gym board new runs/board/season.json --name own --suites $(BOARD_SUITES) \
+	  --public $(BOARD_ENCOUNTERS) --sealed $(BOARD_ENCOUNTERS)
+	$(BIN)/rss-gym board fly --season runs/board/season.json --board runs/board/lines --workers 2
+	$(BIN)/rss-gym board site runs/board/lines --season runs/board/season.json --out runs/board/site --overwrite
 
 clean: ## remove build products and caches; .venv stays
 	rm -rf build dist docs/generated docs/api/generated *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -20,6 +20,8 @@ COMMANDS: dict[str, str] = {
     "leaderboard": "leaderboard",
     "record": "record",
     "watch": "watch",
+    "submit": "submit",
+    "board": "board",
     "train": "train",
     "export": "export",
     "calibrate": "calibrate",
