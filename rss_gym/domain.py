@@ -51,10 +51,6 @@ class Domain(Protocol):
         """The table of the observation."""
         ...
 
-    def split(self, observation_: np.ndarray, params: Params) -> dict[str, np.ndarray]:
-        """An observation in SI units by name."""
-        ...
-
     def spaces(self, params: Params) -> tuple[gym.spaces.Box, gym.Space[Any]]:
         """Observation and action space of one environment."""
         ...
@@ -79,7 +75,6 @@ class Air:
     commanded: Any = staticmethod(lambda params: Params.of(params, action="velocity"))
     families: Any = staticmethod(lambda params: encounters.chosen(params.encounter))
     fields: Any = staticmethod(observation.fields)
-    split: Any = staticmethod(observation.split)
     spaces: Any = staticmethod(core.spaces)
     decode: Any = staticmethod(core.decode)
     make_batch: Any = staticmethod(core.Batch)
@@ -101,7 +96,6 @@ class Road:
     commanded: Any = staticmethod(lambda params: params)
     families: Any = staticmethod(lambda params: [params.road.scene])
     fields: Any = staticmethod(road_observation.fields)
-    split: Any = staticmethod(road_observation.split)
     decode: Any = staticmethod(road_batch.decode)
     make_batch: Any = staticmethod(road_batch.RoadBatch)
 
@@ -118,7 +112,6 @@ class Road:
 
 AIR: Domain = Air()
 ROAD: Domain = Road()
-DOMAINS = {domain.name: domain for domain in (AIR, ROAD)}
 
 
 def domain_of(params: Params) -> Domain:
