@@ -141,7 +141,8 @@ def _links(records: Sequence[LogRecord]) -> tuple[dict[str, LinkFit], dict[str, 
             excluded[name] = str(error)
     if not links:
         reasons = "; ".join(f"{name!r}: {reason}" for name, reason in list(excluded.items())[:3])
-        raise ParamsError(f"no link can be calibrated: {reasons}")
+        sources = ", ".join(repr(source) for source in list(dict.fromkeys(record.source for record in records))[:3])
+        raise ParamsError(f"no link can be calibrated: {reasons}; in log {sources}")
     return links, excluded
 
 

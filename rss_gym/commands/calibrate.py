@@ -18,7 +18,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     # A station south of the equator begins with a minus.
     parser._negative_number_matcher = re.compile(r"^-\d[-\d.,e]*$")
-    parser.add_argument("fit", nargs="+", metavar="FIT", help="radio logs that the channel is fitted to")
+    parser.add_argument("fit", nargs="*", metavar="FIT", help="radio logs that the channel is fitted to")
     parser.add_argument(
         "--test",
         nargs="+",
@@ -89,6 +89,10 @@ def run(options: argparse.Namespace) -> None:
     from rss_gym.eval.studies.calibration.inspect import inspect
     from rss_gym.params import ParamsError
 
+    if options.melt is not None and os.path.isfile(options.melt):  # `--melt LOG`: the pattern was left out
+        options.fit, options.melt = [options.melt, *options.fit], "*"
+    if not options.fit:
+        raise ParamsError("FIT is missing: name the logs to fit")
     reading = _reading(options)
     if options.inspect:
         if options.out is not None:

@@ -52,6 +52,11 @@ def test_a_sample_is_calibrated(name, tmp_path, capsys):
     assert "coloured EKF" in capsys.readouterr().out
 
 
+def test_a_log_after_melt_is_no_pattern(tmp_path, capsys):
+    assert main(["calibrate", "--melt", str(path_of("wide")), "--out", str(tmp_path / "channel.toml")]) == 0
+    assert "2 links in the first two thirds of wide.csv" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("page", ["README.md", "docs/calibration.md"])
 def test_the_lines_of_the_documents_run_as_typed(page, tmp_path, monkeypatch, capsys):
     text = (ROOT / page).read_text(encoding="utf-8")

@@ -47,7 +47,8 @@ _ISOLATED = 0.01  # share of rows out of order up to which they are single ones
 _SESSION_ROWS, _PAUSE = 10, 100.0  # rows of a session at least, and intervals between two
 _ANEW = 5.0  # intervals after the first time of all within which a clock has begun anew
 _VELOCITY_SHARE = 0.5
-_SLOW_MPS, _FAST_MPS = 1e-3, 300.0
+_SLOW_MPS, _FAST_MPS = 0.01, 300.0
+_SHORT_S, _LONG_S = 1e-3, 30.0  # intervals that a radio's reports have
 
 
 def cleaned(file: LogFile, options: ReadOptions) -> tuple[list[LogRecord], list[str]]:
@@ -292,7 +293,7 @@ def _record(file: LogFile, rows: Rows, start_s: float) -> LogRecord:
 
 
 def _plausible(file: LogFile, record: LogRecord) -> list[str]:
-    """Refuse a distance that never changes; name speeds that no aircraft has."""
+    """Refuse a distance that never changes; name intervals that no radio and speeds that no aircraft has."""
     if np.ptp(record.distance_m) <= 1e-6 * record.distance_m[0]:
         raise ParamsError(
             f"log {file.source!r}: the distance of link {record.link!r} is {record.distance_m[0]:g} m in every "
@@ -300,9 +301,9 @@ def _plausible(file: LogFile, record: LogRecord) -> list[str]:
         )
     span_s = float(record.time_s[-1] - record.time_s[0])
     speed_mps = float(np.abs(np.diff(record.distance_m)).sum()) / span_s
-    if _SLOW_MPS <= speed_mps <= _FAST_MPS:
-        return []
     interval_s = float(np.median(np.diff(record.time_s)))
+    if _SLOW_MPS <= speed_mps <= _FAST_MPS and _SHORT_S <= interval_s <= _LONG_S:
+        return []
     return [
         f"link {record.link!r}: the distance changes by {speed_mps:.3g} m/s in the mean, at intervals of "
         f"{interval_s:.3g} s; "

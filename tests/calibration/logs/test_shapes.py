@@ -255,6 +255,8 @@ def test_an_aircraft_on_its_launch_point(log):
 def test_an_implausible_speed_is_named(log):
     found = read(log(("t", "rss", "dist"), TIME_S * 1e-6, RSS_DBM, DISTANCE_M), time_unit="s")
     assert "name --time-unit" in found.notes[-1]
+    found = read(log(("time_s", "rss", "dist"), TIME_S * 1e3, RSS_DBM, DISTANCE_M))  # the header is wrong
+    assert "at intervals of 200 s; name --time-unit" in found.notes[-1]
 
 
 @pytest.mark.parametrize("turn", [1.0, -1.0])
