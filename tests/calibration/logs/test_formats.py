@@ -143,3 +143,22 @@ def test_a_bag_says_which_fields_it_has(written):
 
 def test_every_reader_has_a_writer(written):
     assert {told(written(format)[0]) for format in WRITERS} == set(READERS)
+
+
+def test_a_bag_that_is_a_folder(flight, tmp_path):
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    pair = store.types["geometry_msgs/msg/Point"]
+    with Writer(tmp_path / "bag", version=9) as writer:
+        link = writer.add_connection("/link", pair.__msgtype__, typestore=store)
+        for time_s, rss, distance in zip(flight.time_s, flight.rss_dbm[0], flight.distance_m, strict=True):
+            message = store.serialize_cdr(pair(x=float(rss), y=float(distance), z=0.0), pair.__msgtype__)
+            writer.write(link, round((1.7e9 + time_s) * 1e9), message)
+    (found,) = read(tmp_path / "bag", columns={"rss": "/link.x", "dist": "/link.y"})
+    np.testing.assert_allclose(found.distance_m, flight.distance_m)
+    np.testing.assert_allclose(found.time_s, flight.time_s, atol=1e-6)
+    (file,) = (tmp_path / "bag").glob("*.db3")
+    (alone,) = read(file, columns={"rss": "/link.x", "dist": "/link.y"})
+    np.testing.assert_array_equal(alone.rss_dbm, found.rss_dbm)
