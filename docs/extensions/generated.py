@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
+import numba
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
@@ -71,7 +72,14 @@ def card(name: str) -> str:
     name : str
         Its id.
     """
-    return encounter_card(name) if name in IDS else road_card(name)
+    plain, numba.config.DISABLE_JIT = (
+        numba.config.DISABLE_JIT,
+        0,
+    )  # conf.py sets it; an environment is made here, not flown
+    try:
+        return encounter_card(name) if name in IDS else road_card(name)
+    finally:
+        numba.config.DISABLE_JIT = plain
 
 
 def encounter_card(name: str) -> str:

@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> None:
     from rss_gym.params import ParamsError
     from rss_gym.render import film
 
-    film.suffix(options.out)
+    film.require(film.suffix(options.out))
     if os.path.exists(options.out) and not options.overwrite:
         raise ParamsError(f"--out {options.out!r} exists already; give another name or --overwrite")
     flown = flights(options, options.seed)

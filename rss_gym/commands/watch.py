@@ -32,6 +32,7 @@ def run(options: argparse.Namespace) -> None:
     from rss_gym.render.recorder import RENDER_FPS
     from rss_gym.render.window import Window
 
+    film.require()
     window, seed = Window("rss-gym watch: close the window to end"), options.seed
     while options.encounters is None or seed < options.seed + options.encounters:
         flown = flights(options, seed)

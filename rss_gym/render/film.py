@@ -6,6 +6,7 @@ import io
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from rss_gym.render.recorder import RENDER_FPS, Recorder
 from rss_gym.render.scene import Scene
 from rss_gym.render.style import INK, MUTED, PANEL
 
-__all__ = ["SUFFIXES", "Flight", "animated", "beside", "fly", "frames", "nearest", "save", "suffix"]
+__all__ = ["SUFFIXES", "Flight", "animated", "beside", "fly", "frames", "nearest", "require", "save", "suffix"]
 
 SUFFIXES = (".mp4", ".gif", ".png")
 COLOURS = 64  # of an animation: the drawings have few, and each more costs bytes
@@ -129,6 +130,20 @@ def _titled(flight: Flight, index: int, size_px: tuple[int, int]) -> NDArray[np.
     return np.concatenate([np.asarray(image, dtype=np.uint8), picture])
 
 
+def require(kind: str = ".png") -> None:
+    """What files of this kind are drawn and written with.
+
+    Raises
+    ------
+    ParamsError
+        If it is not installed.
+    """
+    needed = {"PIL": "Pillow"} | ({"moviepy": "MoviePy"} if kind == ".mp4" else {})
+    missing = [name for module, name in needed.items() if find_spec(module) is None]
+    if missing:
+        raise ParamsError(f"a {kind} file needs {' and '.join(missing)}: pip install -e '.[render]' in the clone")
+
+
 def suffix(path: str) -> str:
     """The kind of a file by its name.
 
@@ -170,11 +185,10 @@ def save(flights: Sequence[Flight], path: str, width_px: int = 640, every: int =
     Raises
     ------
     ParamsError
-        For another ending of the name.
-    gymnasium.error.DependencyNotInstalled
-        Without Pillow, or for a video without MoviePy.
+        For another ending of the name, or without Pillow or, for a video, MoviePy.
     """
     kind = suffix(path)
+    require(kind)
     if kind == ".png":
         content = _png(beside(flights, nearest(flights[0]), width_px))
     elif kind == ".gif":
@@ -211,12 +225,8 @@ def animated(pictures: Iterator[NDArray[np.uint8]], every: int) -> bytes:
 
 
 def _mp4(pictures: list[NDArray[np.uint8]], every: int) -> bytes:
-    try:
-        from moviepy import ImageSequenceClip
-    except ImportError as error:
-        from gymnasium.error import DependencyNotInstalled
+    from moviepy import ImageSequenceClip
 
-        raise DependencyNotInstalled("A video needs MoviePy: pip install -e '.[render]' in the clone") from error
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "video.mp4"
         clip = ImageSequenceClip(pictures, fps=RENDER_FPS / every)

@@ -67,6 +67,18 @@ def test_record_writes_a_picture_once(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
+    "arguments", [["record", "--policy", "none", "--out", "a.gif"], ["watch", "--policy", "none"]], ids=lambda a: a[0]
+)
+def test_a_missing_package_is_named_before_anything_flies(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(film, "find_spec", lambda name: None)
+    monkeypatch.setattr(film, "fly", None)
+    assert cli.main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert not out and "needs Pillow: pip install -e '.[render]' in the clone" in err
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["--out", "a.jpg"], "must end with .mp4, .gif, .png"),
