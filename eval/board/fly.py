@@ -36,7 +36,7 @@ from rss_gym.files import write_bytes
 from rss_gym.locking import free, take
 from rss_gym.params import ParamsError
 
-BLOCK = 5000  # encounters of one child
+BLOCK = {"air": 5000, "road": 100}  # encounters of one child, which are flown again if a process is killed meanwhile
 ENTRIES, WORK, UNPACKED, LOCK, KEY = "entries", "work", "unpacked", "lock", "board.key"
 MADDS_MAX = 4_000_000  # multiplications of a policy's network at a decision
 Runner = Callable[[Job], np.ndarray]
@@ -213,10 +213,11 @@ def _kept_by(policy: str, hashed: str) -> str:
 
 def _table(job: Job, hashed: str, folder: Path, pool: Executor, runner: Runner) -> np.ndarray:
     """The table of a job, block by block, each kept as soon as it is flown, so that a killed process loses one."""
-    dtype = TABLES[job.world().domain.name]
+    domain = job.world().domain.name
+    dtype, block = TABLES[domain], BLOCK[domain]
     waiting: list[tuple[Path, int, Future[np.ndarray] | None]] = []
-    for first in range(0, job.count, BLOCK):
-        count = min(BLOCK, job.count - first)
+    for first in range(0, job.count, block):
+        count = min(block, job.count - first)
         file = folder / f"{job.suite}-{job.suite_hash[:12]}-{job.seed}-{hashed[:32]}-{first}-{count}"
         is_there = file.is_file() and file.stat().st_size == count * dtype.itemsize
         part = dataclasses.replace(job, first=first, count=count)

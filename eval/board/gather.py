@@ -28,6 +28,8 @@ def gather(
 ) -> Gathered:
     """Read the entries in `folder`, folders or packed; one that is refused does not concern the others.
 
+    They are taken in the order of their names, which are given to them as they arrive: a date is a claim.
+
     Parameters
     ----------
     folder : path
@@ -53,7 +55,7 @@ def gather(
         except ParamsError as error:
             refused.append(str(error))
     latest: dict[tuple[str, str], Submission] = {}
-    for entry in sorted(read_entries, key=lambda entry: (entry.date, entry.hash)):
+    for entry in read_entries:
         key = folded(entry.author), entry.suite
         if key in latest:
             refused.append(_why(latest[key], f"{entry.author!r} has a later one for {entry.suite}, which counts"))
@@ -65,7 +67,7 @@ def gather(
     owners = {folded(name): author for name, author, _ in known}
     policies = {hashed: (name, author) for name, author, hashed in known}
     kept = []
-    for entry in sorted(latest.values(), key=lambda entry: (entry.date, entry.hash)):
+    for entry in [one for one in read_entries if one in latest.values()]:
         owner = owners.setdefault(folded(entry.name), entry.author)
         first, author = policies.setdefault(entry.policy_hash, (entry.name, entry.author))
         if folded(owner) != folded(entry.author):

@@ -38,8 +38,11 @@ class Limits:
         Address space, of which compiled kernels take about 2 GB.
     """
 
-    episode_s: float = 0.25
+    episode_s: float = 1.0
     memory_bytes: int = 6 * 2**30
+
+
+LIMITS = {"air": Limits(), "road": Limits(episode_s=20.0)}  # of each domain: a drive is flown in Python
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ def fly_here(job: Job) -> np.ndarray:
     return fly_block(entries, Block(job.split, job.seed, numbers))[-1]
 
 
-def fly_limited(job: Job, limits: Limits = Limits()) -> np.ndarray:
+def fly_limited(job: Job, limits: Limits | None = None) -> np.ndarray:
     """`fly_here` in a child process; what comes back are the bytes of a table and nothing that could run.
 
     Raises
@@ -104,6 +107,7 @@ def fly_limited(job: Job, limits: Limits = Limits()) -> np.ndarray:
     PolicyError
         If the child takes more than it may, dies, or says why it cannot fly.
     """
+    limits = limits or LIMITS[job.world().domain.name]
     count = len(job.numbers) or job.count
     seconds = START_S + count * limits.episode_s
     with tempfile.TemporaryDirectory(prefix="rss-gym-board-") as folder:

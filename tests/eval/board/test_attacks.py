@@ -237,6 +237,14 @@ def test_clones(make_entry, tmp_path):
     assert all("bit for bit" in why or "reads like" in why for why in found.refused)
 
 
+def test_a_claimed_date_takes_nothing_from_anybody(make_entry):
+    """Hijack by an earlier date: who arrived first keeps name and policy."""
+    make_entry("001", name="honest", author="Ada", date="2026-11-27")
+    make_entry("002", name="stolen", author="Bob", date="2020-01-01")
+    found = gathered(make_entry("003", "orthogonal:radius_m=61", name="H0nest", author="Cy", date="2019-01-01").parent)
+    assert [entry.name for entry in found.entries] == ["honest"] and len(found.refused) == 2
+
+
 def test_one_entry_an_author_and_suite_counts(make_entry):
     make_entry("a", name="first try", date="2026-01-01")
     make_entry("b", "orthogonal:radius_m=61", name="second try", date="2026-01-02", author="ADA")

@@ -67,7 +67,7 @@ def test_what_is_there_is_not_flown_again(board):
 @pytest.mark.parametrize("executor", [None, "threads"])
 def test_blocks_and_executors_give_the_same_tables(board, monkeypatch, executor):
     before = {line["entry_hash"]: line for line in lines_of(board)}
-    monkeypatch.setattr(fly, "BLOCK", 7)
+    monkeypatch.setitem(fly.BLOCK, "air", 7)
     (board / "board" / "board.jsonl").unlink()
     with ThreadPoolExecutor(2) as pool:
         done = fly.fly(
@@ -84,7 +84,7 @@ import sys, time
 from rss_gym import baselines
 from rss_gym.eval.board import fly
 from rss_gym.eval.board.limits import fly_here
-fly.BLOCK = 4
+fly.BLOCK["air"] = 4
 baselines.able = lambda params: ["none", "orthogonal", "right-turn"]
 def runner(job):
     table = fly_here(job)
@@ -111,7 +111,7 @@ def test_it_goes_on_after_a_kill(tmp_path, monkeypatch):
         flown.append((job.seed, job.name, job.first))
         return fly_here(job)
 
-    monkeypatch.setattr(fly, "BLOCK", 4)
+    monkeypatch.setitem(fly.BLOCK, "air", 4)
     monkeypatch.setattr(baselines, "able", lambda params: ["none", "orthogonal", "right-turn"])
     done = fly.fly(None, tmp_path / "season.json", tmp_path / "board", runner=runner)
     assert kept and len(done.appended) == 3 - done.before
