@@ -45,9 +45,9 @@ if __name__ == "__main__":
     DQN("MlpPolicy", make_vec_env(ID, action="discrete"), learning_starts=50, device="cpu").learn(120)
     print("* A2C, PPO, TRPO, RecurrentPPO, SAC, TD3, TQC, ARS, DQN: trained")
 
-    wrapped = make_vec_env(ID, n_envs=2, wrapper_class=gym.wrappers.ClipAction, max_episode_steps=9)
+    wrapped = make_vec_env(ID, n_envs=2, wrapper_class=gym.wrappers.FlattenObservation, max_episode_steps=9)
     model = PPO("MlpPolicy", wrapped, n_steps=32, batch_size=32, device="cpu").learn(128)
-    assert wrapped.env_is_wrapped(gym.wrappers.ClipAction) == [True, True] and model.ep_info_buffer[0]["l"] == 9
+    assert wrapped.env_is_wrapped(gym.wrappers.FlattenObservation) == [True, True] and model.ep_info_buffer[0]["l"] == 9
     workers = make_vec_env(ID, n_envs=2, vec_env_cls=SubprocVecEnv, vec_env_kwargs={"start_method": "spawn"})
     workers.reset()
     workers.close()
