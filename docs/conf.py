@@ -61,7 +61,18 @@ html_title = "rss_gym"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 # Pages that have no others beside them need no list of those.
-_ALONE = ("quickstart", "tutorial", "concepts", "theory", "comparison", "faq", "changelog", "contributing", "cite")
+_ALONE = (
+    "quickstart",
+    "tutorial",
+    "concepts",
+    "theory",
+    "parameters",
+    "comparison",
+    "faq",
+    "changelog",
+    "contributing",
+    "cite",
+)
 html_sidebars: dict[str, list[str]] = {name: [] for name in _ALONE}
 html_show_sourcelink = False
 html_copy_source = False

@@ -13,6 +13,7 @@ from rss_gym.cli import parser
 from rss_gym.domain import ROAD
 from rss_gym.eval.suites import SUITES
 from rss_gym.ids import IDS, ROADS
+from rss_gym.listing import parameters
 from rss_gym.observation import fields
 from rss_gym.params import Params
 from rss_gym.registry import GROUP
@@ -22,7 +23,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SITE = sorted(path for path in (ROOT / "docs").rglob("*.md") if "generated" not in path.relative_to(ROOT).parts)
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *SITE]
 # Pages whose code runs here as it stands, page by page; the code of others is compiled.
-RUN = ("quickstart", "concepts", "own-policy", "library", "tutorial")
+RUN = ("quickstart", "concepts", "parameters", "own-policy", "library", "tutorial")
 FOLDERS = "rss_gym|baselines|train|eval|tests|docs|examples|benchmarks"
 
 
@@ -120,6 +121,9 @@ def test_every_environment_has_a_card_with_all_its_columns(site):
     marks = [found for page in SITE for found in site.MARK.findall(text_of(page))]
     assert sorted(name for kind, name in marks if kind == "card") == sorted([*IDS, *ROADS])
     assert {kind for kind, _ in marks} == set(site.KINDS)
+    assert [group for kind, group in marks if kind == "parameters"] == [
+        *dict.fromkeys(p["group"] for p in parameters())
+    ]
     for name, keywords in IDS.items():
         columns = [field.name for field in fields(Params.of(**keywords))]
         text = site.card(name)

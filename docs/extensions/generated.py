@@ -1,7 +1,8 @@
 """Parts of pages that are made of the code when the site is built.
 
 A line `<!-- generated: KIND ARGUMENT -->` of a page is replaced by Markdown: `card ID` describes a registered
-environment, `listing TITLE` is a table of `rss-gym list`, `functions NUMBER` names the functions of an equation.
+environment, `listing TITLE` is a table of `rss-gym list`, `parameters GROUP` one of `rss-gym params`, and
+`functions NUMBER` names the functions of an equation.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from extensions import equations
 from rss_gym.core import longest_episode
 from rss_gym.env import EncounterEnv
 from rss_gym.ids import IDS
-from rss_gym.listing import listing
+from rss_gym.listing import listing, parameters
 from rss_gym.observation import fields
 from rss_gym.params import Params
 from rss_gym.tracking import TRACKERS
@@ -52,10 +53,10 @@ def column(field: Any) -> str:
 def observations(table_of: Sequence[Any]) -> str:
     """The columns of an observation."""
     rows = [
-        [number, f"`{f.name}`", f.unit, column(f), f"{f.low:g}", f"{f.high:g}", f.meaning]
+        [number, f"`{f.name}`", f.meaning, f.unit, column(f), f"{f.low:g}", f"{f.high:g}"]
         for number, f in enumerate(table_of)
     ]
-    return table(["number", "field", "unit", "column", "low", "high", "meaning"], rows)
+    return table(["number", "field", "meaning", "unit", "column", "low", "high"], rows)
 
 
 def sections(docstring: str) -> dict[str, str]:
@@ -153,7 +154,17 @@ def listed(title: str) -> str:
     return table(["name", "what"], [[f"`{name}`", text] for name, text in listing()[title].items()])
 
 
-KINDS = {"card": card, "listing": listed, "functions": equations.functions}
+def numbers(group: str) -> str:
+    """The parameters of a group of `rss_gym.params.Params`."""
+    rows = [
+        [f"`{item['name']}`", item["meaning"], f"`{item['default']}`", item["unit"], item["range"]]
+        for item in parameters()
+        if item["group"] == group
+    ]
+    return table(["keyword", "meaning", "default", "unit", "range"], rows)
+
+
+KINDS = {"card": card, "parameters": numbers, "listing": listed, "functions": equations.functions}
 
 
 def fill(app: Sphinx, docname: str, source: list[str]) -> None:

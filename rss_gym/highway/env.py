@@ -58,6 +58,10 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
     `params` is a `rss_gym.highway.params.RoadParams` or its dict, and any keyword of `RoadParams.of` changes it:
     `config` highway-env's configuration, `reward` the prices, the others the sensor. `rss_gym.highway.RssRanging` says
     what seeds do.
+
+    ## Version history
+
+    * v0: first version.
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012
