@@ -29,15 +29,20 @@ def encounter(suite: Suite, spec: str, number: int) -> dict[str, Any] | None:
     every = np.array([point for path in (*shown.values(), *others) for point in path])
     low, high = every.min(axis=0), every.max(axis=0)
     scale = (SIZE - 20.0) / max(float((high - low).max()), 1.0)
+    middle_m = (low + high) / 2.0
+    height = max(80.0, scale * float(high[1] - low[1]) + 20.0)  # a road is long and narrow
 
     def placed(points: Points) -> str:
         # North is up: an SVG counts downwards.
-        at = [(10.0 + scale * (x - low[0]), SIZE - 10.0 - scale * (y - low[1])) for x, y in points]
-        return " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
+        centred = [
+            (SIZE / 2.0 + scale * (x - middle_m[0]), height / 2.0 - scale * (y - middle_m[1])) for x, y in points
+        ]
+        return " ".join(f"{x:.1f},{y:.1f}" for x, y in centred)
 
     closest = int(np.argmin(flight.least)) if flight.least else 0
     return {
         "number": number,
+        "height": height + 24.0,  # the scale stands below
         "least_m": min(flight.least) / 100.0,
         "time_s": flight.times[closest],
         "collision": flight.collision,

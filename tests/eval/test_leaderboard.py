@@ -296,6 +296,13 @@ def test_nobody_takes_the_place_of_anothers_policy(tmp_path):
     assert any("have one hash and may be one policy" in note for note in notes)
 
 
+def test_a_relabelled_seed_is_set_aside(runs, tmp_path):
+    """Encounters of a lucky seed under the suite's own."""
+    lucky = edited(runs["seed 7"], tmp_path / "lucky", lambda content: content.update(seed=0))
+    (why,) = build([runs["short"], lucky], tmp_path / "site").quarantined
+    assert why.startswith(str(lucky)) and "episode" in why
+
+
 def test_a_world_too_costly_to_fly_is_set_aside(runs, tmp_path):
     costly = scored(["none"], tmp_path / "costly", suite="smoke-v0", episodes=1, tail_max_s=300.0, tick_s=0.01)
     assert "too costly" in build([runs["short"], costly], tmp_path / "site").quarantined[0]

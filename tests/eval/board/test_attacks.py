@@ -7,6 +7,7 @@ import pickle
 import shutil
 import struct
 import zipfile
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -540,7 +541,8 @@ def test_html_in_every_field_is_text(flown, board, change):
     )
     out = site.build(board / "board", [board / "season.json"], board / "site", replays=0).parent
     pages = [*out.rglob("*.html"), out / "feed.xml"]
-    assert len(pages) == 8
+    assert len(pages) == 8 and ElementTree.fromstring((out / "feed.xml").read_text(encoding="utf-8")) is not None
+    assert "picked one by one" in (out / "first-smoke-v0.html").read_text(encoding="utf-8")
     for page in pages:
         text = page.read_text(encoding="utf-8")
         assert "<script" not in text and "alert(1)</script>" not in text and "Bob <b>" not in text
