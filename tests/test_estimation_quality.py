@@ -58,6 +58,7 @@ def report(title, d, estimate, std, at_warning):
     return ratios, late
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planar", [True, False])
 def test_paper(planar):
     ratios, late = report(f"paper, {'plane' if planar else 'space'}", *fly(channel="paper", planar=planar))

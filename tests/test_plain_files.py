@@ -38,6 +38,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
         assert time.monotonic() - started < 1.0, path
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("command", ["eval", "verify", "leaderboard", "export", "train", "channel", "resume"])
 def test_no_command_waits_for_a_pipe_or_fills_the_memory(tmp_path, command):

@@ -42,6 +42,7 @@ def copies():
             registry.remove(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("own", "other"),
     [
@@ -89,6 +90,7 @@ def test_the_logarithmic_filter_ranges_as_over_records():
     np.testing.assert_allclose(ranges, found, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_it_flies_on_a_road():
     pytest.importorskip("highway_env")
     import gymnasium as gym

@@ -16,6 +16,7 @@ def test_every_channel(name):
     check_channel(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ESTIMATORS)
 def test_every_estimator(name):
     check_estimator(name)

@@ -80,6 +80,7 @@ def truth(snmac, collision):
     return np.exp(1.5 + 0.32) * (1.0 - 0.5 * collision) + 100.0 * snmac + 10_000.0 * collision
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_intervals_cover(case):
     """Student's covers down to 0.4 here, as most sets hold no collision."""

@@ -244,6 +244,7 @@ def test_a_rule_with_other_information_is_one_policy_over_other_encounters_too(r
     assert [note for note in notes if note.startswith("orthogonal@oracle") and "is left out" in note]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ulps", [0, 1])
 @pytest.mark.parametrize("reverse", [False, True])
 def test_of_records_that_contradict_each_other_the_flights_decide(runs, tmp_path, reverse, ulps):

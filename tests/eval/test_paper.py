@@ -21,6 +21,8 @@ from rss_gym.eval.paper.recorded import recorded
 from rss_gym.eval.paper.study import METHODS, Study
 from rss_gym.params import ParamsError
 
+pytestmark = pytest.mark.slow
+
 SMALL = paper.Size(repetitions=6, tuning=2, circular=1, allan=3, trials=200_000, approaches=1_000, pairs=20, scan=1)
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("RSS_GYM_DATA") or ROOT.parent / "shared" / "data")

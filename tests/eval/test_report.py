@@ -136,6 +136,7 @@ def test_a_name_that_is_no_unicode_is_written(result, tmp_path):
     Page(path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_written_in_one_piece(result, markup, tmp_path, monkeypatch):
     path = report.write(result, tmp_path)
     assert path == tmp_path / "report.html"

@@ -78,6 +78,7 @@ def test_copy_goes_on_alike_and_alone():
     assert data_equivalence([twin.step(1) for _ in range(3)], expected, exact=True)
 
 
+@pytest.mark.slow
 def test_crossing_leaves_the_traffic_of_other_roads_alone():
     """highway-env's intersection writes into the class of its vehicles; alone in a process the result is the same."""
     code = (

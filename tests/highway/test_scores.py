@@ -17,6 +17,8 @@ from rss_gym.highway.env import RoadEnv
 from rss_gym.highway.params import actions
 from rss_gym.params import ParamsError
 
+pytestmark = pytest.mark.slow
+
 ROADS = {name: suite for name, suite in SUITES.items() if suite.domain is ROAD}
 SUITE = find("highway-v0")
 
@@ -33,7 +35,6 @@ def folder(result, tmp_path_factory):
     return records.save(result, tmp_path_factory.mktemp("record") / "run", page=report.write)
 
 
-@pytest.mark.slow
 def test_drives_are_paired_by_key(result):
     assert [scored.entry.name for scored in result.policies] == ["none", "rule", "idm"]
     none, rule, _ = (scored.table for scored in result.policies)
@@ -85,7 +86,6 @@ def test_drives_are_ranked_by_their_mean_cost(result):
     assert gap.value == pytest.approx(means[1] - means[0]) and gap.low < gap.value < gap.high
 
 
-@pytest.mark.slow
 def test_parts_and_processes_change_nothing(result):
     again = evaluate(["rule", "idm"], "highway-v0", episodes=5, workers=2, block=3, progress=False)
     parts = merge(fly(["rule", "idm"], "highway-v0", numbers) for numbers in (range(2, 5), range(2)))

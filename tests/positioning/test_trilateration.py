@@ -109,6 +109,7 @@ def test_more_steps_converge_to_the_minimum():
         assert (x, y) == pytest.approx(tuple(best.x), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_minimum_for_ten_thousand_random_geometries():
     """Nodes anywhere, ranges 2 % or 30 % wrong: no descent of SciPy from several beginnings ends lower."""
     rng = np.random.default_rng(7)

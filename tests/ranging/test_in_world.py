@@ -202,6 +202,7 @@ def assert_equal(key, frames, ends):
         np.testing.assert_allclose(covariance, p, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WORLDS)
 def test_filter_of_the_intruders_range_is_filterpys(name):
     params = Params.of(decision_s=0.1, **WORLDS[name])

@@ -101,6 +101,7 @@ def test_watch_writes_a_file_where_no_window_opens(tmp_path, monkeypatch, capsys
     assert [path.name for path in tmp_path.glob("*/*")] == ["encounter-9.gif"]
 
 
+@pytest.mark.slow
 def test_watch_shows_so_many_encounters(monkeypatch, capsys):
     shown = []
 

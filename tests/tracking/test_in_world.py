@@ -53,6 +53,7 @@ def flown(params, modules):
     return truth, {name: np.concatenate(tracks) for name, tracks in out.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("channel", [QUICK, MEDIUM, SLOW], ids=["quick", "medium", "slow"])
 @pytest.mark.parametrize("agent", ["rss", "gnss"])
 def test_errors_are_as_stated_at_every_distance(channel, agent):

@@ -109,6 +109,7 @@ SMALL = {
 }
 
 
+@pytest.mark.slow
 def test_a_run_of_the_recipe_ends_cheaper_than_it_began(tmp_path):
     folder = run.start(recipe.load("pathwise", SMALL), tmp_path / "run", show=False)
     agent = load_agent(folder)

@@ -168,6 +168,7 @@ def wait_for_lock(seeds):
                 time.sleep(0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
