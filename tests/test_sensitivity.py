@@ -41,6 +41,7 @@ def agree(found, measured):
     return np.sqrt(np.mean((found - measured) ** 2)) < 0.05 * np.sqrt(np.mean(measured**2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WORLDS)
 def test_the_first_lane_is_the_step_bit_for_bit(name):
     params, generator = WORLDS[name], np.random.default_rng(0)

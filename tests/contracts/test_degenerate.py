@@ -24,6 +24,7 @@ def flown(name, family):
     return batch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", DEGENERATE)
 @pytest.mark.parametrize(("name", "information"), FLYABLE)
 def test_any_policy_stays_finite_and_within_the_speed_limit(name, information, family):

@@ -32,6 +32,7 @@ def test_every_family(name):
     check_family(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SUITES)
 def test_every_suite(name):
     if SUITES[name].domain is ROAD:

@@ -52,6 +52,7 @@ def test_false_alarms_of_the_misfit(fits):
     assert binom.ppf(0.001, 300, 0.03) <= alarms <= binom.ppf(0.999, 300, 0.07)
 
 
+@pytest.mark.slow
 def test_a_minute_is_said_to_be_short(fits):
     n, found = fits
     said = np.mean([any("100 s" in w or "is short" in w for w in fit.warnings) for fit in found])
