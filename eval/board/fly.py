@@ -23,7 +23,7 @@ from rss_gym.eval.board.gather import gather
 from rss_gym.eval.board.limits import Job, fly_limited
 from rss_gym.eval.board.names import folded
 from rss_gym.eval.board.season import Flown, Season, sealed_seed
-from rss_gym.eval.board.signing import private_key
+from rss_gym.eval.board.signing import private_key, public_key
 from rss_gym.eval.budget import refuse_costly
 from rss_gym.eval.episodes import PolicyError
 from rss_gym.eval.policies import entry
@@ -145,7 +145,7 @@ def fly(
     os.chmod(places.private, 0o700)
     key = private_key(places.private / KEY)
     with _held(places.private), _pool(workers, executor) as pool:
-        lines = [line for line in chain.read(places.lines) if line["kind"] == verdict.KIND]
+        lines = [line for line in chain.read(places.lines, public_key(key)) if line["kind"] == verdict.KIND]
         known = [(line["entry"]["name"], line["entry"]["author"], line["policy_hash"]) for line in lines]
         found = gather(entries, known, places.private / UNPACKED) if entries is not None else None
         refused = list(found.refused) if found else []

@@ -33,10 +33,15 @@ def private_key(path: Path) -> bytes:
     return key
 
 
+def public_key(key: bytes) -> str:
+    """The public key that belongs to a private one, hexadecimal."""
+    return str(_library().Ed25519PrivateKey.from_private_bytes(key).public_key().public_bytes_raw().hex())
+
+
 def signed(content: dict[str, Any], key: bytes) -> dict[str, Any]:
     """The content with `public_key` and `signature`, both hexadecimal."""
     private = _library().Ed25519PrivateKey.from_private_bytes(key)
-    whole = content | {"public_key": private.public_key().public_bytes_raw().hex()}
+    whole = content | {"public_key": public_key(key)}
     return whole | {"signature": private.sign(_message(whole)).hex()}
 
 

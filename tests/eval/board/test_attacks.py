@@ -448,6 +448,12 @@ def test_no_line_can_be_changed(board, how):
         chain.read(file)
 
 
+def test_a_board_signed_by_somebody_else_is_not_continued(board):
+    (board / "season.private" / "board.key").unlink()
+    with pytest.raises(RecordError, match="line 1: the signature is not that of key"):
+        fly.fly(board / "entries", board / "season.json", board / "board", runner=fly_here)
+
+
 def test_a_rule_change_flies_again_and_appends(board, monkeypatch):
     before = (board / "board" / "board.jsonl").read_bytes()
     monkeypatch.setattr(verdict, "RULES", verdict.RULES + 1)
