@@ -141,7 +141,8 @@ def require(kind: str = ".png") -> None:
     needed = {"PIL": "Pillow"} | ({"moviepy": "MoviePy"} if kind == ".mp4" else {})
     missing = [name for module, name in needed.items() if find_spec(module) is None]
     if missing:
-        raise ParamsError(f"a {kind} file needs {' and '.join(missing)}: pip install -e '.[render]' in the clone")
+        what = "a video" if kind == ".mp4" else "drawing"
+        raise ParamsError(f"{what} needs {' and '.join(missing)}: pip install -e '.[render]' in the clone")
 
 
 def suffix(path: str) -> str:
