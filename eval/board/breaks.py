@@ -13,7 +13,7 @@ from rss_gym import encounters
 from rss_gym.core import SEED_LIMIT
 from rss_gym.eval.board import chain, verdict
 from rss_gym.eval.board.entry import POLICY, read
-from rss_gym.eval.board.fly import ENTRIES, KEY, Places, Runner
+from rss_gym.eval.board.fly import ENTRIES, Places, Runner, held
 from rss_gym.eval.board.limits import Job, fly_limited
 from rss_gym.eval.board.signing import private_key
 from rss_gym.eval.budget import refuse_costly
@@ -130,7 +130,8 @@ def fly(
     }
     if not line["worse"]:
         return line
-    return chain.append(places.lines, line, private_key(places.private / KEY))
+    with held(places.board):
+        return chain.append(places.lines, line, private_key(places.key))
 
 
 def _read(file: Path) -> dict[str, Any]:

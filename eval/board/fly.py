@@ -37,7 +37,7 @@ from rss_gym.locking import free, take
 from rss_gym.params import ParamsError
 
 BLOCK = {"air": 5000, "road": 100}  # encounters of one child, which are flown again if a process is killed meanwhile
-ENTRIES, WORK, UNPACKED, LOCK, KEY = "entries", "work", "unpacked", "lock", "board.key"
+ENTRIES, WORK, UNPACKED, LOCK, KEY = "entries", "work", "unpacked", ".lock", "board.key"
 MADDS_MAX = 4_000_000  # multiplications of a policy's network at a decision
 Runner = Callable[[Job], np.ndarray]
 
@@ -60,16 +60,20 @@ class Places:
     board : Path
         Holds `board.jsonl` and the entries flown.
     private : Path
-        Holds the key and the tables of sealed encounters; beside the season's file.
+        Holds the tables of sealed encounters; beside the season's file.
+    key : Path
+        Signs the lines of all seasons whose files are in one folder.
     """
 
     board: Path
     private: Path
+    key: Path
 
     @classmethod
     def of(cls, out: str | os.PathLike[str], season_file: str | os.PathLike[str]) -> Places:
         """Those of a season."""
-        return cls(Path(out), Path(season_file).with_suffix(".private"))
+        file = Path(season_file)
+        return cls(Path(out), file.with_suffix(".private"), file.parent / KEY)
 
     @property
     def lines(self) -> Path:
@@ -143,8 +147,8 @@ def fly(
     for folder in (places.board, places.private):
         folder.mkdir(parents=True, exist_ok=True)
     os.chmod(places.private, 0o700)
-    key = private_key(places.private / KEY)
-    with _held(places.private), _pool(workers, executor) as pool:
+    key = private_key(places.key)
+    with held(places.board), _pool(workers, executor) as pool:
         lines = [line for line in chain.read(places.lines, public_key(key)) if line["kind"] == verdict.KIND]
         known = [(line["entry"]["name"], line["entry"]["author"], line["policy_hash"]) for line in lines]
         found = gather(entries, known, places.private / UNPACKED) if entries is not None else None
@@ -280,12 +284,12 @@ def _pool(workers: int, executor: Executor | None) -> Iterator[Executor]:
 
 
 @contextmanager
-def _held(folder: Path) -> Iterator[None]:
+def held(folder: Path) -> Iterator[None]:
     """Hold the board; two processes must not append to one chain."""
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o600)
     try:
         if not take(descriptor):
-            raise ParamsError(f"{str(folder)!r} is in use by another process that flies this season")
+            raise ParamsError(f"{str(folder)!r} is in use by another process that flies its entries")
         try:
             yield
         finally:

@@ -449,7 +449,7 @@ def test_no_line_can_be_changed(board, how):
 
 
 def test_a_board_signed_by_somebody_else_is_not_continued(board):
-    (board / "season.private" / "board.key").unlink()
+    (board / "board.key").unlink()
     with pytest.raises(RecordError, match="line 1: the signature is not that of key"):
         fly.fly(board / "entries", board / "season.json", board / "board", runner=fly_here)
 

@@ -19,6 +19,7 @@ from rss_gym.eval.board import chain, fly, season, site, submit
 from rss_gym.eval.board.entry import read
 from rss_gym.eval.board.limits import fly_here
 from rss_gym.eval.records import table_digest
+from rss_gym.params import ParamsError
 
 SUITE, PUBLIC, SEALED = "smoke-v0", 24, 20
 
@@ -51,7 +52,7 @@ def test_when_it_closes_anyone_can_fly_the_sealed_encounters(board):
 
 def test_private_files_are_private(flown):
     assert not (flown / "season.json.secret").stat().st_mode & 0o077
-    assert not (flown / "season.private" / "board.key").stat().st_mode & 0o077
+    assert not (flown / "board.key").stat().st_mode & 0o077
     published = [path.name for path in (flown / "board").rglob("*") if path.is_file()]
     assert "board.key" not in published and not any("secret" in name for name in published)
 
@@ -62,6 +63,21 @@ def test_what_is_there_is_not_flown_again(board):
 
     done = fly.fly(board / "entries", board / "season.json", board / "board", runner=runner, references=False)
     assert not done.appended and done.before == 3 and not done.refused
+
+
+def test_two_processes_do_not_write_one_board(board):
+    with fly.held(board / "board"), pytest.raises(ParamsError, match="in use by another process"):
+        fly.fly(board / "entries", board / "season.json", board / "board", runner=fly_here, references=False)
+
+
+def test_a_second_season_is_appended_to_the_same_board(board):
+    season.close(board / "season.json")
+    season.new(board / "next.json", "second", [SUITE], 6, 6)
+    done = fly.fly(board / "entries", board / "next.json", board / "board", runner=fly_here, references=False)
+    assert len(done.appended) == 3 and len(lines_of(board)) == 6 and not done.refused
+    out = site.build(board / "board", [board / "next.json", board / "season.json"], board / "site", replays=0)
+    text = out.read_text(encoding="utf-8")
+    assert "Season second" in text and "Closed." in text and (out.parent / "second-smoke-v0.html").is_file()
 
 
 @pytest.mark.parametrize("executor", [None, "threads"])
