@@ -150,7 +150,7 @@ FILES = {
     "duplicate": (b"[channel]\npacket_loss = 0.1\npacket_loss = 0.2\n", "not readable TOML"),
     "number-for-table": (b"channel = 3\n", "[channel]"),
     "misplaced-key": (b"packet_loss = 0.1\n[channel]\npath_loss_factor = 2.0\n", "'packet_loss'"),
-    "large": (b"#" * 2**20 + b"\n[channel]\n", "larger than 64 KiB"),
+    "large": (b"#" * 2**20 + b"\n[channel]\n", "larger than 65,536 bytes"),
     "deep": (b"a = " + b"[" * 20000, "not readable TOML"),
     "huge-number": (b"[channel]\npath_loss_factor = 1" + b"0" * 400 + b"\n", "path_loss_factor must be in"),
     "absurd-number": (b"[channel]\npath_loss_factor = 1" + b"0" * 5000 + b"\n", "channel file"),

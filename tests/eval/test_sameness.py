@@ -270,4 +270,4 @@ def test_a_script_without_a_guard_is_told_so(tmp_path):
     script.write_text("from rss_gym.eval import evaluate\nevaluate('none', episodes=20, workers=2)\n")
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=PATIENCE_S)
     assert done.returncode != 0
-    assert "PolicyError: a worker process died" in done.stderr and "__name__ == '__main__'" in done.stderr
+    assert "WorkerError: a worker process died" in done.stderr and "__name__ == '__main__'" in done.stderr
