@@ -29,7 +29,7 @@ EXAMPLES = {
         ["32,768 decisions", "ppo ", "30 encounters"],
     ),
 }
-SLOW = ("cluster.py", "ppo_single_file.py", "train_in_minutes.py")
+SLOW = ("cluster.py", "sb3_ppo.py", "ppo_single_file.py", "train_in_minutes.py")
 
 
 def test_every_example_is_run_here():

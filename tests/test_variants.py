@@ -155,6 +155,7 @@ def lost(own, other, memory, track, model):
     track.valid = other.heard
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("register", "keywords", "words"),
     [

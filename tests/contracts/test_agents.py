@@ -41,6 +41,7 @@ def home(name):
     return Params.of(**IDS[shipped.home(name)])
 
 
+@pytest.mark.slow
 def test_it_loads_in_its_own_world_and_is_small(name):
     agent = baselines.make(name, home(name))
     assert isinstance(agent, Agent) and agent.params == home(name)

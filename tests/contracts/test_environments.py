@@ -434,7 +434,8 @@ def test_vector_render(env_id):
     envs.close()
 
 
-@pytest.mark.parametrize("vector", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("vector", [False, True])
 def test_record_video(tmp_path, vector):
     editor = pytest.importorskip("moviepy")
     pytest.importorskip("imageio_ffmpeg")

@@ -27,6 +27,7 @@ def test_every_tracker(name):
     check_tracker(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILIES)
 def test_every_family(name):
     check_family(name)

@@ -232,6 +232,7 @@ def test_paths_are_polylines_at_constant_speed(name):
                 assert points == (3 if name in BENT and (a > 0 or name == "turning") else 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("intruders", range(2, 9))
 def test_every_intruder_is_within_the_limits(intruders):
     """The last of 2-8 intruders; the earlier ones are those of smaller worlds (next test)."""

@@ -136,6 +136,7 @@ def test_a_record_on_disk_is_not_flown_again(tmp_path, capsys, monkeypatch):
     assert Job("tiny", "encounter-v0", ("stop",), 21).folder != job.folder
 
 
+@pytest.mark.slow
 def test_the_study_of_the_readme_gives_what_it_shows():
     pytest.importorskip("PIL")
     parts = list(studies.load("readme").run(argparse.Namespace(pages=ROOT)))

@@ -91,6 +91,7 @@ def test_dilution_and_condition_of_a_square():
     assert not got.ambiguous and not got.degenerate
 
 
+@pytest.mark.slow
 @given(st.floats(-80.0, 80.0), st.floats(-80.0, 80.0), st.floats(1.0, 120.0), st.integers(3, 5))
 def test_coplanar_nodes_leave_a_mirror(x, y, height, count):
     nodes = np.array([[60.0, 0.0, 5.0], [-40.0, 50.0, 5.0], [-30.0, -60.0, 5.0], [70.0, 70.0, 5.0], [0.0, 9.0, 5.0]])
@@ -138,6 +139,7 @@ def test_strongest_three_are_the_nearest():
     assert got.residual_m.shape == (50, 6)
 
 
+@pytest.mark.slow
 @given(st.permutations(range(5)), st.integers(2, 3), st.integers(0, 2**32 - 1))
 def test_order_of_the_nodes_does_not_matter(order, axes, seed):
     rng = np.random.default_rng(seed)

@@ -80,6 +80,7 @@ def test_a_second_season_is_appended_to_the_same_board(board):
     assert "Season second" in text and "Closed." in text and (out.parent / "second-smoke-v0.html").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("executor", [None, "threads"])
 def test_blocks_and_executors_give_the_same_tables(board, monkeypatch, executor):
     before = {line["entry_hash"]: line for line in lines_of(board)}
@@ -143,6 +144,7 @@ def test_the_packages_policies_are_flown_as_references(tmp_path, monkeypatch):
     assert [line["entry"]["name"] for line in done.appended] == ["none", "orthogonal"]
 
 
+@pytest.mark.slow
 def test_roads_too(tmp_path):
     season.new(tmp_path / "season.json", "roads", ["highway-v0"], 2, 2)
     (tmp_path / "entries").mkdir()
