@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
@@ -83,7 +84,7 @@ class NotFiniteError(RuntimeError):
         )
 
 
-class BaseBatch:
+class BaseBatch(ABC):
     """n environments side by side, whatever they simulate: which episode each row runs, and what it has come to.
 
     A subclass adds `episode`, an (n,) array with the columns of `rss_gym.state.EPISODE`, `reset` and `step`, and for
@@ -126,27 +127,27 @@ class BaseBatch:
         if "episode" in options:
             self.numbers[mask] = np.broadcast_to(np.asarray(options["episode"], np.uint64), self.n)[mask]
 
+    @abstractmethod
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def step(self, actions: np.ndarray, mask: np.ndarray) -> None:
         """Run one decision in the rows of `mask`; `actions` as the domain's `decode` returns them."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def positions_m(self) -> np.ndarray:
         """The agents' positions (n, axes); NaN in a row that the last step left out, if rows end apart."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def planned_mps(self) -> np.ndarray:
         """The agents' planned speeds, shape (n,)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def sample(self) -> tuple[np.ndarray, np.ndarray]:
         """True and estimated range of one other in each row, shape (n,) each; zeros where nobody is ranged."""
-        raise NotImplementedError
 
     def info(self, name: str) -> np.ndarray:
         """A copy of one column of `INFO`, or `is_success`."""

@@ -185,7 +185,9 @@ def _loop(recipe: Recipe) -> None:
     try:
         __import__(module)
     except ImportError as error:
-        raise ParamsError(f"training needs {module} ({error}): pip install -e '.[train]' in the clone") from error
+        raise ParamsError(
+            f"training needs {error.name or module} ({error}): pip install -e '.[train]' in the clone"
+        ) from error
 
 
 def _document(recipe: Recipe, seeds: int, command: Sequence[str]) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def scaled(values: Any) -> list[int | None]:
 
 
 def closest(scored: Scored, count: int = ENCOUNTERS) -> list[int]:
-    """BaseBatch of the encounters in which the policy came nearest to an intruder."""
+    """Rows of the encounters in which the policy came nearest to an intruder."""
     table = scored.table
     return [int(row) for row in np.lexsort((table["episode"], table["min_separation_m"]))[:count]]
 

@@ -12,10 +12,10 @@ from rss_gym.baselines.agent import load as load_agent  # noqa: E402
 from rss_gym.core import Batch  # noqa: E402
 from rss_gym.params import Params, ParamsError  # noqa: E402
 from rss_gym.sb3 import make_vec_env  # noqa: E402
-from rss_gym.train import recipe, run  # noqa: E402
+from rss_gym.train import actor, recipe, run  # noqa: E402
 from rss_gym.train.pathwise import Pathwise  # noqa: E402
-from rss_gym.train.pathwise.actor import mean_actions, with_jacobian  # noqa: E402
 from rss_gym.train.pathwise.flights import fly, gradient, least_separations  # noqa: E402
+from rss_gym.train.pathwise.jacobian import actions_with_jacobian  # noqa: E402
 from rss_gym.train.pathwise.price import SmoothPrice  # noqa: E402
 
 PRICE = SmoothPrice((100.0, 10_000.0), (15.24, 4.5), (3.0, 3.0))
@@ -30,10 +30,10 @@ def model_of(activation=torch.nn.Tanh, **world):
 def test_the_jacobian_of_the_actor_is_autograds(activation):
     policy = model_of(activation).policy
     rows = torch.randn(5, policy.observation_space.shape[0])
-    actions, jacobian = with_jacobian(policy, rows)
-    torch.testing.assert_close(actions, mean_actions(policy, rows).detach())
+    actions, jacobian = actions_with_jacobian(policy, rows)
+    torch.testing.assert_close(actions, actor.outputs(policy, rows).detach())
     for row, found in zip(rows, jacobian, strict=True):
-        expected = torch.autograd.functional.jacobian(lambda x: mean_actions(policy, x[None])[0], row)
+        expected = torch.autograd.functional.jacobian(lambda x: actor.outputs(policy, x[None])[0], row)
         torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-6)
 
 
@@ -75,7 +75,7 @@ def test_the_gradient_is_the_slope_of_the_cost_over_flights_of_the_world(near):
     batch, decisions, _ = flown(policy, price)
     observations, gradients = gradient(batch, decisions, price, 1e9)
     policy.optimizer.zero_grad()
-    torch.sum(mean_actions(policy, observations) * gradients).backward()
+    torch.sum(actor.outputs(policy, observations) * gradients).backward()
     for axis, slope in enumerate(policy.action_net.bias.grad.tolist()):
         costs = []
         for step in (1e-3, -2e-3):
@@ -85,6 +85,13 @@ def test_the_gradient_is_the_slope_of_the_cost_over_flights_of_the_world(near):
         with torch.no_grad():
             policy.action_net.bias[axis] += 1e-3
         assert slope == pytest.approx((costs[0] - costs[1]) / 2e-3, rel=0.02)
+
+
+def test_after_learning_collisions_end_the_flights_of_the_rows_again():
+    model = model_of()
+    model.learn(100)
+    batch = model.env.unwrapped.batch
+    assert batch.state.config["collision_m"][0] == batch.params.zone.collision_m > 0.0
 
 
 def test_rows_that_change_observations_are_refused():

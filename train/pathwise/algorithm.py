@@ -15,8 +15,8 @@ from rss_gym.baselines.masks import kept
 from rss_gym.core import Batch
 from rss_gym.params import ParamsError
 from rss_gym.sb3 import EncounterVecEnv
+from rss_gym.train import actor
 from rss_gym.train.masked import Masked
-from rss_gym.train.pathwise.actor import mean_actions
 from rss_gym.train.pathwise.flights import fly, gradient, least_separations
 from rss_gym.train.pathwise.price import SmoothPrice
 
@@ -167,6 +167,6 @@ class Pathwise(BaseAlgorithm):
         optimizer = self.policy.optimizer
         optimizer.zero_grad()
         for seen, wanted in zip(observations.split(CHUNK), gradients.split(CHUNK), strict=True):
-            (torch.sum(mean_actions(self.policy, seen) * wanted) / flights).backward()
+            (torch.sum(actor.outputs(self.policy, seen) * wanted) / flights).backward()
         optimizer.step()
         self._n_updates += 1

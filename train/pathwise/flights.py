@@ -14,10 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from stable_baselines3.common.policies import BasePolicy
 
 from rss_gym.core import Batch
 from rss_gym.sensitivity import EVENTS, StepRecorder, StepSensitivity, observation_sensitivity
-from rss_gym.train.pathwise.actor import with_jacobian
+from rss_gym.train.pathwise.jacobian import actions_with_jacobian
 from rss_gym.train.pathwise.price import SmoothPrice
 
 
@@ -45,7 +46,7 @@ class Decision:
     step: StepSensitivity
 
 
-def fly(batch: Batch, policy: object, kept: np.ndarray) -> list[Decision]:
+def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
     """Fly the next episode of every row to its end, by mean actions, and through collisions.
 
     A flight that a collision ended would not show how deep it went, and its least separation would hang on the tick.
@@ -57,14 +58,21 @@ def fly(batch: Batch, policy: object, kept: np.ndarray) -> list[Decision]:
     kept : (d,) float32 array
         One for the fields that the actor sees, zero for the others.
     """
-    everything, axes = np.ones(batch.n, bool), 2 if batch.params.encounter.planar else 3
     batch.state.config["collision_m"] = 0.0
+    try:
+        return _flown(batch, policy, kept)
+    finally:
+        batch.state.config["collision_m"] = batch.params.zone.collision_m
+
+
+def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
+    everything, axes = np.ones(batch.n, bool), 2 if batch.params.encounter.planar else 3
     batch.reset(everything)
     recorder, flying, decisions = StepRecorder(batch), everything.copy(), list[Decision]()
     while flying.any():
         rows = np.flatnonzero(flying)
         seen = torch.from_numpy(batch.observations[rows] * kept)
-        means, jacobian = with_jacobian(policy, seen)
+        means, jacobian = actions_with_jacobian(policy, seen)
         slopes = torch.from_numpy(observation_sensitivity(batch, rows) * kept)
         feedback = torch.bmm(jacobian, slopes.transpose(1, 2)).numpy().astype(np.float64)
         wanted = means.numpy().astype(np.float64)

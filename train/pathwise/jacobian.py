@@ -1,4 +1,4 @@
-"""The acting part of an SB3 actor-critic as a function of its observation, with its derivative."""
+"""Derivative of the actor's actions by its observation."""
 
 from __future__ import annotations
 
@@ -9,16 +9,12 @@ import torch
 from rss_gym.train.actor import parts
 
 
-def mean_actions(policy: Any, rows: torch.Tensor) -> torch.Tensor:
-    """Mean actions (n, A) of observations (n, d), not clipped."""
-    hidden, last = parts(policy)
-    actions: torch.Tensor = last(hidden(rows))
-    return actions
-
-
 @torch.no_grad()
-def with_jacobian(policy: Any, rows: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """Mean actions (n, A) and their derivative by the observation (n, A, d), of dense layers with Tanh or ReLU."""
+def actions_with_jacobian(policy: Any, rows: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean actions (n, A), not clipped, and their derivative by observations (n, d): (n, A, d).
+
+    For dense layers with Tanh or ReLU between them.
+    """
     hidden, last = parts(policy)
     values, slopes = rows, []  # of each layer's activation
     for layer in hidden:
@@ -28,10 +24,10 @@ def with_jacobian(policy: Any, rows: torch.Tensor) -> tuple[torch.Tensor, torch.
         elif isinstance(layer, torch.nn.ReLU):
             slopes.append((values > 0.0).to(values.dtype))
     dense = [layer.weight for layer in hidden if isinstance(layer, torch.nn.Linear)]
-    rows_of = []
+    jacobian = []  # one row an axis of the action
     for axis in last.weight:
         backward = axis.expand(len(rows), -1)
         for weight, slope in zip(reversed(dense), reversed(slopes), strict=True):
             backward = (backward * slope) @ weight
-        rows_of.append(backward)
-    return last(values), torch.stack(rows_of, dim=1)
+        jacobian.append(backward)
+    return last(values), torch.stack(jacobian, dim=1)
