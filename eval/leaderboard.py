@@ -31,11 +31,11 @@ from rss_gym.eval.budget import refuse_costly
 from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.policies import innermost
-from rss_gym.eval.reading import Policy, Record, RecordError, load
+from rss_gym.eval.reading import Policy, Record, RecordError, definition, load
 from rss_gym.eval.records import SCORES, TABLES
 from rss_gym.eval.report.tables import FIRST, barred, cell, difference, heading, main_metrics, place_cell, scrolled
 from rss_gym.eval.suites import SUITES
-from rss_gym.eval.verify import definition, differing, examine, official
+from rss_gym.eval.verify import differing, examine, official
 from rss_gym.files import check_new, new_folder
 from rss_gym.pages.page import Section, render, text
 from rss_gym.params import Information, ParamsError

@@ -28,6 +28,11 @@ class Entry:
     params: Params
 
     @property
+    def action(self) -> str | None:
+        """What it commands; None where nothing tells."""
+        return self.params.interface.action
+
+    @property
     def hash(self) -> str:
         """SHA-256 of the specification, for a learned policy of its files, and of the interface it flies with."""
         text = json.dumps([identity(self.spec, self.policy), self.params.interface.to_dict()], sort_keys=True)

@@ -26,7 +26,7 @@ from rss_gym.eval.policies import Entry, files
 from rss_gym.files import new_folder
 
 SCORES, TABLES, POLICIES = "scores.json", "tables", "policies"
-SCHEMA = 3  # raised when fields of scores.json or columns of the tables change
+SCHEMA = 4  # raised when fields of scores.json or columns of the tables change
 
 
 def versions(*more: str) -> dict[str, str]:
@@ -85,6 +85,7 @@ def _policy(scored: Scored, written: dict[str, Any]) -> dict[str, Any]:
         "spec": scored.entry.spec,
         "hash": scored.entry.hash,
         "information": scored.entry.params.interface.information,
+        "action": scored.entry.action,
         "metrics": {name: dataclasses.asdict(estimate) for name, estimate in scored.metrics.items()},
         **written,
     }

@@ -19,7 +19,7 @@ from rss_gym.eval.episodes import Block, PolicyError, WorkerError, described
 from rss_gym.eval.evaluate import BLOCK, score
 from rss_gym.eval.metrics import METRICS
 from rss_gym.eval.policies import Entry, entry, innermost
-from rss_gym.eval.reading import Policy, Record, load
+from rss_gym.eval.reading import Policy, Record, definition, load
 from rss_gym.eval.records import versions
 from rss_gym.eval.suites import SUITES, Suite, find
 from rss_gym.eval.workers import NOMINAL, fly_blocks
@@ -183,13 +183,6 @@ def examine(
     with progress_bar(progress, total=len(numbers) * len(entries), unit="flight") as bar:
         _fly_again(record, suite, entries, numbers, workers, verdict, bar.update)
     return verdict
-
-
-def definition(record: Record) -> Suite:
-    """Today's definition of the record's suite, with the record's parameters."""
-    if record.suite in SUITES:
-        return dataclasses.replace(find(record.suite), params=record.params)
-    return Suite(record.suite, "", record.params, split=record.split)
 
 
 def official(record: Record) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.policies import entry
-from rss_gym.eval.report.replay import ReplayFlight
+from rss_gym.eval.report.flights import ReplayFlight
 from rss_gym.eval.suites import Suite
 
 SIZE = 320.0  # of a drawing, in its own units

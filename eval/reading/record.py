@@ -12,7 +12,7 @@ from rss_gym.baselines.policy_files import DOCUMENT, DOCUMENT_LIMIT, WEIGHTS, WE
 from rss_gym.domain import domain_of
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.reading.plain import RecordError, checked, opened, parse, read_file, shown
-from rss_gym.eval.reading.schema import POLICY, RECORD, metrics_of, params_of
+from rss_gym.eval.reading.schema import POLICIES_OF, RECORD, metrics_of, params_of
 from rss_gym.eval.reading.table_file import check_rows, read_table
 from rss_gym.eval.records import POLICIES, SCORES, TABLES, table_digest
 from rss_gym.eval.table import TABLES as COLUMNS
@@ -33,6 +33,7 @@ class Policy:
     spec: str
     hash: str
     information: str
+    action: str | None  # None where the record does not tell
     metrics: dict[str, Estimate]
     file: str  # of the table, below the record's folder
     table_sha256: str
@@ -93,7 +94,7 @@ def load(folder: str | os.PathLike[str]) -> Record:
     policies: list[Policy] = []
     for index, item in enumerate(fields["policies"]):
         where = f"policies[{index}]"
-        values = checked(str(file), where, item, POLICY)
+        values = checked(str(file), where, item, POLICIES_OF[fields["schema"]])
         metrics = metrics_of(str(file), f"{where}.metrics", values["metrics"], domain.name)
         taken = {"name": {p.name for p in policies}, "table": {p.file for p in policies}}
         taken["folder"] = {p.folder for p in policies if p.folder}
@@ -112,6 +113,7 @@ def load(folder: str | os.PathLike[str]) -> Record:
         if values["folder"] is not None:
             _check_folder(root, values["folder"])
         names = {key: values[key] for key in ("name", "spec", "hash", "information", "table_sha256", "folder")}
+        names["action"] = values.get("action")
         policies.append(Policy(**names, metrics=metrics, file=values["table"], table=table))
     record = Record(
         folder=root,

@@ -14,11 +14,12 @@ from rss_gym.eval.reading.plain import Checks, RecordError, checked, refuse_unkn
 from rss_gym.eval.reading.table_file import EPISODES_MAX
 from rss_gym.eval.records import POLICIES, SCHEMA, TABLES
 from rss_gym.highway.params import RoadParams
-from rss_gym.params import Information, Params, ParamsError
+from rss_gym.params import ActionKind, Information, Params, ParamsError
 
 POLICIES_MAX = 1000
 CHANNELS_MAX = 64
 SPEC_MAX = 1000
+WITHOUT_ACTION = 3  # an older schema, whose policies do not say what they command
 
 
 def _whole(low: int, high: int) -> Callable[[Any], bool]:
@@ -41,7 +42,10 @@ _TABLE_FILE = re.compile(TABLES + r"/[0-9]{2,4}-[A-Za-z0-9.=_-]{0,80}\.npz")
 _FOLDER = re.compile(POLICIES + r"/[0-9]{2,4}-[A-Za-z0-9.=_-]{0,80}")
 
 RECORD: Checks = {
-    "schema": (lambda value: type(value) is int and value == SCHEMA, f"{SCHEMA}, which this version reads"),
+    "schema": (
+        lambda value: type(value) is int and value in (WITHOUT_ACTION, SCHEMA),
+        f"{WITHOUT_ACTION} or {SCHEMA}, which this version reads",
+    ),
     "suite": _NAME,
     "suite_hash": _HEX,
     "split": (lambda value: isinstance(value, str) and value in SPLITS, "one of " + ", ".join(SPLITS)),
@@ -70,6 +74,7 @@ POLICY: Checks = {
     "spec": _TEXT,
     "hash": _HEX,
     "information": (lambda value: value in get_args(Information), "one of " + ", ".join(get_args(Information))),
+    "action": (lambda value: value in get_args(ActionKind), "one of " + ", ".join(get_args(ActionKind))),
     "metrics": (lambda value: isinstance(value, dict), "a table of metrics"),
     "table": (
         lambda value: isinstance(value, str) and _TABLE_FILE.fullmatch(value) is not None,
@@ -80,6 +85,10 @@ POLICY: Checks = {
         lambda value: value is None or (isinstance(value, str) and _FOLDER.fullmatch(value) is not None),
         f"null, or a folder such as {POLICIES}/01-mine",
     ),
+}
+POLICIES_OF: dict[int, Checks] = {
+    WITHOUT_ACTION: {name: check for name, check in POLICY.items() if name != "action"},
+    SCHEMA: POLICY,
 }
 ESTIMATE: Checks = {
     "value": _LIMIT,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
-from rss_gym.eval import records
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.report.tables import scrolled
 from rss_gym.pages.page import text
@@ -24,7 +24,7 @@ def lead(result: Result) -> str:
     )
 
 
-def run(result: Result) -> str:
+def run(result: Result, packages: Mapping[str, str]) -> str:
     """Suite, seed and versions; how to build each policy; all parameters of the world."""
     suite = result.suite
     official = (
@@ -32,7 +32,6 @@ def run(result: Result) -> str:
         if result.official
         else f"no; such a run has {suite.episodes:,} encounters of seed {suite.seed} and the suite unchanged"
     )
-    packages = records.versions(*suite.domain.packages)
     rows = {
         "suite": suite.name,
         "suite hash": suite.hash,
@@ -56,14 +55,16 @@ def run(result: Result) -> str:
 def _policies(result: Result) -> str:
     """How each policy was made, where its name does not say so, and what it was flown with."""
     entries = [scored.entry for scored in result.policies]
-    columns = {
+    columns: dict[str, list[str | None]] = {
         "made by": [entry.spec for entry in entries],
         "information": [entry.params.interface.information for entry in entries],
-        "actions": [entry.params.interface.action for entry in entries],
+        "actions": [entry.action for entry in entries],
         "hash": [entry.hash[:16] for entry in entries],
     }
     if columns["made by"] == [entry.name for entry in entries]:
         del columns["made by"]
+    if None in columns["actions"]:  # of a record that does not tell them
+        del columns["actions"]
     headings = '<th scope="col">policy</th>' + "".join(f'<th scope="col" class="words">{key}</th>' for key in columns)
     rows = ""
     for entry, *values in zip(entries, *columns.values(), strict=True):

@@ -16,6 +16,7 @@ COMMANDS: dict[str, str] = {
     "list": "listing",
     "params": "params",
     "eval": "eval",
+    "report": "report",
     "verify": "verify",
     "leaderboard": "leaderboard",
     "record": "record",

@@ -65,7 +65,7 @@ def test_colours_are_for_terminals_that_want_them(monkeypatch):
 
 
 def test_the_page_shows_it_in_red(result):
-    page = report.markup(result)
+    page = report.markup(result, None)
     assert '<p class="fault">nan is not ranked: 60 faults' in page
     assert page.count('<tr class="fault"><th scope="row"><span class="who"><span class="dot fault">') >= 4
     assert 'class="point fault"' in page  # on the chart

@@ -18,9 +18,9 @@ from rss_gym.eval import evaluate
 from rss_gym.eval.evaluate import score
 from rss_gym.eval.leaderboard import build
 from rss_gym.eval.policies import Entry
-from rss_gym.eval.reading import RecordError, load
+from rss_gym.eval.reading import RecordError, definition, load
 from rss_gym.eval.records import save, table_digest, write_table
-from rss_gym.eval.verify import definition, verify
+from rss_gym.eval.verify import verify
 from rss_gym.pages.page import text
 from rss_gym.params import ParamsError
 

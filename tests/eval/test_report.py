@@ -64,6 +64,14 @@ class Page(HTMLParser):
         return json.loads("".join(found[2]))
 
 
+def page_of(result):
+    return report.markup(result, replay.fly(result))
+
+
+def flights_of(result):
+    return replay.player(result, replay.fly(result))
+
+
 def words(element):
     return " ".join("".join(element[2]).split())
 
@@ -75,7 +83,7 @@ def result():
 
 @pytest.fixture(scope="module")
 def markup(result):
-    return report.markup(result)
+    return page_of(result)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +124,7 @@ def test_names_cannot_break_out(result):
         replace(scored, entry=replace(scored.entry, name=names.get(scored.entry.name, scored.entry.name)))
         for scored in result.policies
     )
-    markup = report.markup(replace(result, policies=policies, reference="none"))
+    markup = page_of(replace(result, policies=policies, reference="none"))
     parsed = Page(markup)
     assert len(parsed.all("script")) == 2
     assert parsed.all("img") == []
@@ -146,7 +154,7 @@ def test_written_in_one_piece(result, markup, tmp_path, monkeypatch):
     monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(ParamsError, match="disk full"):
         report.write(result, tmp_path)
-    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    assert {p.name for p in tmp_path.iterdir()} == {"report.html", "flights.json"}
     assert path.read_text() == "older"
 
 
@@ -228,14 +236,14 @@ def test_page_names_the_run(result, markup):
 )
 def test_degenerate_results(policies, settings):
     result = evaluate(policies, progress=False, **settings)
-    parsed = Page(report.markup(result))
+    parsed = Page(page_of(result))
     assert parsed.data("replays")["policies"]
 
 
 def test_figures_that_are_undefined(result):
     nothing = Estimate(None, None, None, 0, "1")
     policies = tuple(replace(scored, metrics=dict.fromkeys(scored.metrics, nothing)) for scored in result.policies)
-    markup = report.markup(replace(result, policies=policies))
+    markup = page_of(replace(result, policies=policies))
     Page(markup)
     assert "No policy has both" in markup
     assert not re.search(r"\b(None|nan)\b", re.sub("<script.*?</script>", "", markup, flags=re.DOTALL))
@@ -246,7 +254,7 @@ def test_figures_that_are_undefined(result):
 
 def test_flights_equal_those_of_the_environment(result):
     """A second way to the same flight: the single environment, step by step."""
-    data = replay.collect(result)
+    data = flights_of(result)
     shown = {policy["name"]: policy["cases"] for policy in data["policies"]}
     for scored in result.policies[1:3]:
         params = scored.entry.params
@@ -277,7 +285,7 @@ def test_flights_equal_those_of_the_environment(result):
 
 
 def test_closest_encounters_are_shown_beside_the_rule(result):
-    data = replay.collect(result)
+    data = flights_of(result)
     assert data["beside"] == "orthogonal:radius_m=20"
     for scored, policy in zip(result.policies, data["policies"], strict=True):
         assert policy["name"] == scored.entry.name
@@ -291,10 +299,10 @@ def test_closest_encounters_are_shown_beside_the_rule(result):
 
 def test_what_is_left_out_is_said(result, monkeypatch):
     monkeypatch.setattr(replay, "POLICIES", 3)
-    data = replay.collect(result)
+    data = flights_of(result)
     assert [policy["name"] for policy in data["policies"]] == ["none", "orthogonal:radius_m=20", "brake"]
     assert "orthogonal:radius_m=40" in data["left_out"]
-    assert "orthogonal:radius_m=40" in replay.markup(result, data)
+    assert "orthogonal:radius_m=40" in replay.markup(data)
 
 
 class Moody:
@@ -312,15 +320,15 @@ class Moody:
 
 def test_a_flight_that_does_not_repeat_is_marked():
     result = evaluate({"none": "none", "moody": Moody()}, episodes=4, progress=False)
-    data = replay.collect(result)
+    data = flights_of(result)
     assert {flight["name"] for flight in data["flights"] if not flight["same"]} == {"moody"}
 
 
 def test_a_policy_that_fails_when_flown_again_leaves_a_page():
     result = evaluate({"none": "none", "moody": Moody(error=True)}, episodes=4, progress=False)
-    data = replay.collect(result)
+    data = flights_of(result)
     assert [policy["name"] for policy in data["policies"]] == ["none"]
-    markup = report.markup(result)
+    markup = page_of(result)
     Page(markup)
     assert "&lt;b&gt;no&lt;/b&gt;" in markup
     assert "<b>no</b>" not in markup

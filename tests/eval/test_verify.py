@@ -16,10 +16,10 @@ from rss_gym.eval import evaluate, records
 from rss_gym.eval.evaluate import score
 from rss_gym.eval.metrics import defined_in
 from rss_gym.eval.policies import Entry
-from rss_gym.eval.reading import RecordError, load
+from rss_gym.eval.reading import RecordError, definition, load
 from rss_gym.eval.records import save, table_digest, write_table
 from rss_gym.eval.suites import Suite
-from rss_gym.eval.verify import definition, report, sample, verify
+from rss_gym.eval.verify import report, sample, verify
 from rss_gym.params import Params
 
 METRICS = defined_in("air")
