@@ -56,6 +56,11 @@ class Agent:
         self._activations = np.array([*kinds, ACTIVATIONS["tanh" if network.squash else "identity"]])
         self.discrete = outputs(params)[1]
 
+    @property
+    def layers(self) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...], np.ndarray]:
+        """Weights, biases and activations of the dense layers, as `network.feed_forward` takes them."""
+        return self._weights, self._biases, self._activations
+
     def predict(
         self, observation_: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[np.ndarray, np.ndarray]:

@@ -31,6 +31,7 @@ extensions = [
     "extensions.generated",
     "extensions.equations",
     "extensions.mathml",
+    "extensions.fly",
     "extensions.links",
 ]
 exclude_patterns = ["_templates", "extensions", "**/.ipynb_checkpoints"]

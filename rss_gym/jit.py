@@ -36,7 +36,7 @@ __all__ = [
 _WITHOUT_KERNELS = {
     (name,)
     for name in (
-        *("calibration", "commands", "eval", "pages", "render", "testing", "train"),
+        *("calibration", "commands", "eval", "fly", "javascript", "pages", "render", "testing", "train"),
         *("__main__.py", "arguments.py", "cli.py", "demo.py", "env.py", "errors.py", "extend.py", "files.py"),
         *("listing.py", "meanings.py", "plain_files.py", "progress.py", "registry.py", "rows.py", "sb3.py"),
         *("terminal.py", "vector.py", "warm.py"),

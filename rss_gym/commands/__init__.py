@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "simulate-log": "simulate_log",
     "paper": "paper",
     "study": "study",
+    "page": "page",
     "demo": "demo",
     "warm": "warm",
 }
