@@ -21,7 +21,10 @@ COLUMNS = (
     "warned_s", "collision", "snmac", "zone", "false_alerts",
 )  # fmt: skip
 # Who flies: the agent, or the same sequence of commands in every encounter, which goes where no policy would.
-PILOTS = {"agent": "rssWorld.think", "weave": "(flight) => [37, 53].map((n) => (n * flight.decisions % 201 - 100) / 100)"}
+PILOTS = {
+    "agent": "rssWorld.think",
+    "weave": "(flight) => [37, 53].map((n) => (n * flight.decisions % 201 - 100) / 100)",
+}
 
 
 class Weave:
@@ -67,8 +70,8 @@ class Comparison:
         """What was compared and what came out, one line, and one for each column that differs."""
         collisions = int(self.python[:, COLUMNS.index("collision")].sum())
         lines = [
-            f"{self.title}: {self.equal} of {len(self.python)} encounters ({collisions} with a collision) have the same "
-            f"bits in all {len(COLUMNS)} scores"
+            f"{self.title}: {self.equal} of {len(self.python)} encounters ({collisions} with a collision) have the "
+            f"same bits in all {len(COLUMNS)} scores"
         ]
         return "\n".join([*lines, *(f"  {name} differs by up to {d:g}" for name, d in self.largest.items() if d)])
 

@@ -1,4 +1,4 @@
-"""The page itself: one file that needs no network, from a template, the translated world and the scripts that draw it."""
+"""The page itself: one file that needs no network, of a template, the translated world and the scripts that draw."""
 
 from __future__ import annotations
 
@@ -43,9 +43,11 @@ def build(suite: str = "encounter-v0", agent: str = "pathwise-plane", count: int
     if agent not in AGENTS:
         raise ParamsError(f"agent {agent!r} is unknown{suggestion(agent, AGENTS)}")
     params = flown.params
-    if not isinstance(params, Params) or not params.encounter.planar or params.interface.information != "positions":
+    is_air = flown.domain.name == "air" and isinstance(params, Params)
+    if not is_air or not params.encounter.planar or params.interface.information != "positions":
         raise ParamsError(
-            f"suite {suite!r} cannot be flown on a page: it takes a planar suite of the air whose messages tell positions"
+            f"suite {suite!r} cannot be flown on a page: it takes a planar suite of the air "
+            "whose messages tell positions"
         )
     world = program(flown, load(AGENTS[agent], params))
     return render(flown, agent, choose(flown, count), world)

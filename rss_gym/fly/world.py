@@ -44,7 +44,7 @@ def program(suite: Suite, agent: Agent) -> str:
     TranslationError
         For a kernel that the translator does not know.
     """
-    if not isinstance(suite.params, Params):
+    if suite.domain.name != "air" or not isinstance(suite.params, Params):
         raise ParamsError(f"suite {suite.name!r} is flown on roads; a page flies encounters in the air")
     network = agent.network
     if network.lstm or network.stack > 1 or network.clip or agent.discrete or network.zeroed != "nothing":

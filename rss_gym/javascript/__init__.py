@@ -1,7 +1,7 @@
 """Translates the package's compiled kernels to JavaScript, from the same source and with the same bits.
 
-A kernel is a Python function of numbers, arrays and records that Numba compiles. `Program` reads its source and writes a
-JavaScript function that does the same operations in the same order. Both are IEEE 754 doubles without fused or
+A kernel is a Python function of numbers, arrays and records that Numba compiles. `Program` reads its source and writes
+a JavaScript function that does the same operations in the same order. Both are IEEE 754 doubles without fused or
 reordered operations, so both give the same bits. What the translator does not know it refuses, by name and line.
 
 How values are kept:

@@ -65,7 +65,9 @@ def _wide(sign: str, a: Value, b: Value) -> Value:
         return Value(f"({as_number(a).code} {sign} {as_number(b).code})", FLOAT)
     signed = {kind.signed if isinstance(kind, Wide) else True for kind in (a.kind, b.kind)}
     if len(signed) > 1 or BOOL in (a.kind, b.kind):  # Numba makes a float of signed and unsigned together
-        raise TranslationError(f"{described(a.kind)} {sign} {described(b.kind)} is not known: Numba makes a float of it")
+        raise TranslationError(
+            f"{described(a.kind)} {sign} {described(b.kind)} is not known: Numba makes a float of it"
+        )
     if sign in ("/", "//", "%"):
         raise TranslationError(f"{sign} of 64-bit whole numbers is not known")
     kind = Wide(signed.pop())

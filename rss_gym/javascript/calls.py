@@ -119,6 +119,6 @@ def reinterpreted(value: Value, to: Any) -> Value:
         return Value(f"$double({value.code})", FLOAT)
     if to is np.int64 and value.kind == FLOAT:
         return Value(f"$bits({value.code})", Wide(True))
-    if to is np.int64 and value.kind == INT or not isinstance(value.kind, (Number, Wide)):
+    if (to is np.int64 and value.kind == INT) or not isinstance(value.kind, (Number, Wide)):
         raise TranslationError(f"{described(value.kind)} has no view")
     raise TranslationError(f"a view of {described(value.kind)} as {getattr(to, '__name__', to)} is not known")

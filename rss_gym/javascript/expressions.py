@@ -15,7 +15,6 @@ from rss_gym.javascript.arithmetic import binary, compared, truth, unary
 from rss_gym.javascript.calls import FUNCTIONS, is_known, reinterpreted
 from rss_gym.javascript.kinds import (
     BOOL,
-    INT,
     Array,
     Kind,
     Known,
@@ -102,10 +101,14 @@ class Expressions:
         values = [self.value(part) for part in node.values]
         if any(value.kind != BOOL for value in values):
             raise TranslationError("and, or are known for conditions only")
-        return Value("(" + (" && " if isinstance(node.op, ast.And) else " || ").join(v.code for v in values) + ")", BOOL)
+        return Value(
+            "(" + (" && " if isinstance(node.op, ast.And) else " || ").join(v.code for v in values) + ")", BOOL
+        )
 
     def _on_compare(self, node: ast.Compare) -> Value:
-        if len(node.ops) > 1 and not all(isinstance(middle, (ast.Name, ast.Constant)) for middle in node.comparators[:-1]):
+        if len(node.ops) > 1 and not all(
+            isinstance(middle, (ast.Name, ast.Constant)) for middle in node.comparators[:-1]
+        ):
             raise TranslationError("a chain of comparisons is known with names and constants in its middle")
         values = [self.value(node.left), *map(self.value, node.comparators)]
         parts = [compared(op, a, b) for op, a, b in zip(node.ops, values, values[1:], strict=False)]
@@ -158,7 +161,9 @@ class Expressions:
             if isinstance(part, ast.Slice):
                 if part.step is not None:
                     raise TranslationError("slices with a step are not known")
-                slices.append(arrays.Slice(*(None if end is None else self.value(end) for end in (part.lower, part.upper))))
+                slices.append(
+                    arrays.Slice(*(None if end is None else self.value(end) for end in (part.lower, part.upper)))
+                )
             elif slices:
                 raise TranslationError("an index after a slice is not known")
             else:
@@ -193,8 +198,3 @@ def _found_by(function: types.FunctionType) -> dict[str, Any]:
     """What a function finds by names that are not its own."""
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     return {**vars(builtins), **function.__globals__, **{name: cell.cell_contents for name, cell in cells}}
-
-
-def is_whole(value: Value) -> bool:
-    """Whether this is a whole number of JavaScript."""
-    return value.kind == INT

@@ -148,7 +148,10 @@ class Statements:
         target, counter = node.target, self._temporary()
         if isinstance(node.iter, ast.Call) and self._is_range(node.iter.func):
             start, stop, step = self._range(node.iter)
-            head, item = f"let {counter} = {start.code}; {counter} < {stop.code}; {counter} += {step}", Value(counter, INT)
+            head, item = (
+                f"let {counter} = {start.code}; {counter} < {stop.code}; {counter} += {step}",
+                Value(counter, INT),
+            )
             # Python evaluates the end once.
             before = [] if stop.constant is not None else [f"const {counter}e = {stop.code};"]
             head = head if not before else head.replace(f"< {stop.code};", f"< {counter}e;")
@@ -242,7 +245,11 @@ class Statements:
             if not isinstance(value.kind, Tuple) or len(value.kind.items) != len(target.elts):
                 raise TranslationError(f"{described(value.kind)} cannot be spread over {len(target.elts)} names")
             pairs = zip(target.elts, value.kind.items, strict=True)
-            return [line for k, (t, kind) in enumerate(pairs) for line in self._assigned(t, Value(f"{value.code}[{k}]", kind))]
+            return [
+                line
+                for k, (t, kind) in enumerate(pairs)
+                for line in self._assigned(t, Value(f"{value.code}[{k}]", kind))
+            ]
         if isinstance(target, ast.Attribute):
             field = self._expressions.value(target)
             base = self._expressions.value(target.value)
@@ -261,7 +268,8 @@ class Statements:
         if slices:
             view, part = arrays.view(base, indices, slices)
             filling = stored(value, kind)
-            return f"{view.code}.fill({', '.join([filling, *(arrays.bounds(view, part) if part != arrays.Slice() else [])])});"
+            ends = [] if part == arrays.Slice() else arrays.bounds(view, part)
+            return f"{view.code}.fill({', '.join([filling, *ends])});"
         if len(indices) != len(base.kind.shape):
             raise TranslationError("an array cannot be assigned whole: assign its elements")
         return f"{base.code}[{arrays.offset(base, indices)}] = {stored(value, kind)};"
