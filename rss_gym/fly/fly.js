@@ -200,10 +200,9 @@
   function read(shown, open) {
     const nearest = shown.others.reduce((a, b) => (b.range < a.range ? b : a));
     const flown = (game.flight.decisions * facts.decision_s + game.since).toFixed(1);
-    const total = Math.round(game.flight.episode.ticks * facts.tick_s);
     const side = added(shown.own, shown.planned, -1);
     const rows = [
-      ["Time", `${flown} of ${total} s`],
+      ["Time", `${flown} s`],
       ["Range of the other, by radio", `${nearest.range.toFixed(0)} ± ${nearest.std.toFixed(0)} m`, open],
       ["Distance from your path", `${Math.hypot(...side).toFixed(1)} m`],
     ];

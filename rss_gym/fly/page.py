@@ -64,7 +64,6 @@ def render(suite: Suite, agent: str, encounters: list[Encounter], world: str) ->
     data = {
         "agent": agent,
         "encounters": [dataclasses.asdict(encounter) for encounter in encounters],
-        "tick_s": params.clock.tick_s,
         "decision_s": params.clock.decision_s,
         "speed_mps": params.aircraft.speed_max_mps,
         "collision_m": params.zone.collision_m,

@@ -65,7 +65,7 @@ def test_a_flight_can_stop_on_its_way(page):
     if "chromium" not in engines():
         pytest.skip("chromium is not on the path")
     shown = rendered(page, "encounter=2&keys=left&time=10")
-    assert ">10.0 of" in shown and re.search(r'<section id="end"[^>]* hidden=""', shown)
+    assert ">10.0 s<" in shown and re.search(r'<section id="end"[^>]* hidden=""', shown)
 
 
 @pytest.mark.parametrize(
