@@ -28,18 +28,25 @@ from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
 from rss_gym.core import NotFiniteError
 from rss_gym.eval import ranking
 from rss_gym.eval.budget import refuse_costly
+from rss_gym.eval.columns import columns_of
 from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.policies import innermost
 from rss_gym.eval.reading import Policy, Record, RecordError, definition, load
 from rss_gym.eval.records import SCORES, TABLES
-from rss_gym.eval.report.tables import FIRST, barred, cell, difference, heading, main_metrics, place_cell, scrolled
+from rss_gym.eval.report.tables import FIRST, barred, column
 from rss_gym.eval.suites import SUITES
+from rss_gym.eval.text import difference
+from rss_gym.eval.text import number as place_of
 from rss_gym.eval.verify import differing, examine, official
 from rss_gym.files import check_new, new_folder
-from rss_gym.pages.page import Section, render, text
+from rss_gym.pages import page
+from rss_gym.pages.markup import renderer
+from rss_gym.pages.page import Section
+from rss_gym.pages.table import Cell, Column, Row, Table
 from rss_gym.params import Information, ParamsError
 
+render = renderer(__file__)
 PAGE, RECORDS = "index.html", "records"
 LEVELS = {
     "oracle": "true states of the others",
@@ -244,7 +251,7 @@ def _row(record: Record, policy: Policy, number: int, flown: str) -> BoardRow:
         rows=_row_digests(policy.table),
         flown=flown,
         own_files=policy.folder is not None,
-        shown=main_metrics(record.params),
+        shown=tuple(columns_of(record.params)),
     )
 
 
@@ -320,95 +327,67 @@ def markup(
     sections = []
     for name in suites:
         members = [row for row in rows if row.run.suite == name]
-        sections.append(Section(f"Suite {name}", _suite(members, sources)))
+        sections.append(Section(f"Suite {name}", render("suite.html", runs=_runs(members, sources), levels=LEVELS)))
     shown = sorted({row.record for row in rows})
     records = _records([(number, sources[number]) for number in shown])
-    if notes:
-        records += '<ul class="note">\n' + "".join(f"<li>{text(note)}</li>\n" for note in notes) + "</ul>"
-    sections.append(Section("Records", records))
+    sections.append(Section("Records", render("records.html", table=records, notes=notes)))
     if quarantined:
-        listed = "".join(f"<li>{text(why)}</li>\n" for why in quarantined)
-        sections.append(Section("Set aside", f'<p class="text">{ASIDE}</p>\n<ul class="note">\n{listed}</ul>'))
-    lead = (
-        f'<p class="lead">{len(rows)} policies of {len(shown)} records, self-reported. Every score was recomputed from '
-        "the record's episode table when this page was made, and a sample of its encounters, drawn by chance, was "
-        "flown again; <code>rss-gym verify --all</code> flies all of them. A small change outside the sample would not "
-        f'have been seen.</p>\n<p class="note">{RANKING}</p>'
-    )
-    return render("Leaderboard of self-reported records", lead, sections)
+        sections.append(Section("Set aside", render("aside.html", why=ASIDE, quarantined=quarantined)))
+    lead = render("leaderboard.html", policies=len(rows), records=len(shown), ranking=RANKING)
+    return page.render("Leaderboard of self-reported records", lead, sections)
 
 
-def _suite(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> str:
-    parts = []
+def _runs(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> list[tuple[str, dict[str, Table]]]:
+    """Title of each run of a suite, the whole ones first, and its table of each level of information."""
+    runs = []
     for whole, title in ((True, "All encounters of the suite"), (False, "Other runs")):
         members = sorted((row for row in rows if row.whole is whole), key=lambda row: (-row.run.episodes, row.run))
         for run, group in itertools.groupby(members, key=lambda row: row.run):
-            parts.append(f"<h3>{title}: {_encounters(run)}</h3>\n" + _levels(list(group), sources))
-    return "".join(parts)
+            listed = list(group)
+            levels = {level: [row for row in listed if row.information == level] for level in get_args(Information)}
+            tables = {level: _table(those, sources) for level, those in levels.items() if those}
+            runs.append((f"{title}: {_encounters(run)}", tables))
+    return runs
 
 
 def _encounters(run: Encounters) -> str:
     known = run.suite in SUITES and SUITES[run.suite].hash == run.suite_hash
-    other = "" if known else f", definition {text(run.suite_hash[:12])}, which is not the suite's"
-    return f"{run.episodes:,} encounters of split {text(run.split)}, seed {run.seed}{other}"
+    other = "" if known else f", definition {run.suite_hash[:12]}, which is not the suite's"
+    return f"{run.episodes:,} encounters of split {run.split}, seed {run.seed}{other}"
 
 
-def _levels(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> str:
-    parts = []
-    for level in get_args(Information):
-        members = [row for row in rows if row.information == level]
-        if members:
-            parts.append(f'<p class="text">Information <strong>{text(level)}</strong>: {text(LEVELS[level])}</p>\n')
-            parts.append(_table(members, sources))
-    return "".join(parts)
-
-
-def _table(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> str:
+def _table(rows: Sequence[BoardRow], sources: Mapping[int, Source]) -> Table:
     by_key, shown = {row.key: row for row in rows}, rows[0].shown
     alphabet = {key: index for index, key in enumerate(sorted(by_key))}
     places = ranking.rank(row.candidate() for row in rows if row.flown != NOT_FLOWN)
     claims = sorted((row for row in rows if row.flown == NOT_FLOWN), key=lambda row: row.key)
     places += [ranking.Place(row.key, None, None, False, row.faults) for row in claims]
-    lines = ""
+    lines = []
     for place in places:
         row = by_key[place.name]
-        link = f'<a href="{text(sources[row.record].copy)}/{SCORES}">record {row.record}</a>'
         reasons = [place.why_not] * bool(row.faults) + [CLAIM] * (row.flown == NOT_FLOWN)
-        small = f"{text(row.spec)}; {link}" if row.spec != row.name else link
-        small += "".join(f'; <strong class="fault">{text(why)}</strong>' for why in reasons)
-        lines += (
-            f"<tr{barred(place)}>{place_cell(place)}"
-            f'<th scope="row" class="words" data-value="{alphabet[row.key]}">{text(row.name)}<span class="unit">'
-            f"{small}</span></th>{cell(row.metrics.get(shown[0]))}{difference(place)}"
-            + "".join(cell(row.metrics.get(name)) for name in shown[1:])
-            + "</tr>\n"
-        )
-    headings = (
-        f'<th scope="col">place</th><th scope="col" class="words">policy</th>{heading(shown[0])}{FIRST}'
-        + "".join(heading(name) for name in shown[1:])
-    )
-    return scrolled(
-        f'<table class="sortable policies"><thead><tr>{headings}</tr></thead>\n<tbody>\n{lines}</tbody></table>'
-    )
+        small = render("policy.html", row=row, file=f"{sources[row.record].copy}/{SCORES}", reasons=reasons)
+        first, *others = (row.metrics.get(name) for name in shown)
+        name = Cell(row.name, alphabet[row.key], small=small)
+        lines.append(Row([place_of(place), name, first, difference(place), *others], barred(place)))
+    cost, *more = (column(name) for name in shown)
+    columns = ["place", Column("policy", words=True, head=True), cost, FIRST, *more]
+    return Table(columns, lines, "sortable policies")
 
 
-def _records(shown: Sequence[tuple[int, Source]]) -> str:
-    lines = ""
+def _records(shown: Sequence[tuple[int, Source]]) -> Table:
+    lines = []
     for number, source in shown:
-        files = ", ".join(
-            f'<a href="{text(source.copy)}/{text(file)}">{text(file.removeprefix(TABLES + "/"))}</a>'
-            for file in source.files
-        )
+        names = {f"{source.copy}/{file}": file.removeprefix(TABLES + "/") for file in source.files}
         versions = ", ".join(f"{name} {version}" for name, version in source.versions.items())
-        lines += (
-            f'<tr><td>{number}</td><td class="words">{text(source.suite)}<span class="unit">'
-            f"{text(source.suite_hash[:12])}</span></td><td>{source.seed}</td><td>{source.episodes:,}</td>"
-            f'<td class="words">{"yes" if source.whole else "no"}</td><td class="words">{text(versions)}</td>'
-            f'<td class="words">{files}</td></tr>\n'
-        )
-    numbers = ("record", "seed", "encounters")
-    headings = "".join(
-        f'<th scope="col">{name}</th>' if name in numbers else f'<th scope="col" class="words">{name}</th>'
-        for name in ("record", "suite", "seed", "encounters", "whole suite", "versions", "files")
-    )
-    return scrolled(f'<table class="policies"><thead><tr>{headings}</tr></thead>\n<tbody>\n{lines}</tbody></table>')
+        suite = Cell(source.suite, small=source.suite_hash[:12])
+        whole, files = "yes" if source.whole else "no", Cell(render("files.html", names=names))
+        lines.append([str(number), suite, str(source.seed), source.episodes, whole, versions, files])
+    columns = [
+        "record",
+        Column("suite", words=True),
+        "seed",
+        Column("encounters", form=","),
+        *(Column(title, words=True) for title in ("whole suite", "versions", "files")),
+    ]
+    return Table(columns, lines, "policies")

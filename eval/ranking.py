@@ -22,6 +22,8 @@ from rss_gym.eval.evaluate import Result
 from rss_gym.eval.intervals import Interval
 from rss_gym.params import Information
 
+FRONT = "on the front: no other has both fewer collisions and less deviation"
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:

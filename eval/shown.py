@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import Any
 
+from rss_gym.eval.columns import columns_of
+from rss_gym.pages.markup import renderer
+from rss_gym.pages.table import Table
 from rss_gym.params import ParamsError
 
+render = renderer(__file__)
 NAMES_MAX = 8  # policies that the line names
-COLUMNS = {  # metric -> title in a notebook's table, format
-    "cost_m": ("cost, m", ".2f"),
-    "collision_rate": ("collisions", ".2e"),
-    "snmac_rate": ("sNMACs", ".2e"),
-    "near_miss_rate": ("near misses", ".2e"),
-    "path_deviation_mean_m": ("mean deviation, m", ".2f"),
-    "unnecessary_manoeuvre_rate": ("unnecessary manoeuvres", ".3f"),
-}
 
 
 class Shown:
@@ -35,14 +30,12 @@ class Shown:
     def _repr_html_(self) -> str:
         """The table that a notebook shows: values with their 95 % intervals, the cheapest first."""
         known = {name for scored in self.policies for name in scored.metrics}
-        columns = {name: form for name, form in COLUMNS.items() if name in known}
-        head = "".join(f"<th>{escape(title)}</th>" for title, _ in columns.values())
-        rows = []
-        for scored in sorted(self.policies, key=_cost):
-            cells = "".join(f"<td>{_cell(scored.metrics.get(name), form)}</td>" for name, (_, form) in columns.items())
-            rows.append(f"<tr><td>{escape(scored.entry.name)}</td>{cells}</tr>")
-        line = f"{self.episodes} episodes of {escape(self.suite.name)}, seed {self.seed}; 95 % intervals in brackets"
-        return f"<p>{line}</p><table><tr><th>policy</th>{head}</tr>{''.join(rows)}</table>"
+        columns = {name: column for name, column in columns_of(self.suite.params).items() if name in known}
+        rows = (
+            [scored.entry.name, *(scored.metrics.get(name) for name in columns)]
+            for scored in sorted(self.policies, key=_cost)
+        )
+        return str(render("shown.html", result=self, table=Table(["policy", *columns.values()], rows)))
 
     def to_frame(self) -> Any:
         """A `pandas.DataFrame`: a row for each policy, and of each metric the columns NAME, NAME_low, NAME_high.
@@ -67,11 +60,3 @@ class Shown:
 def _cost(scored: Any) -> float:
     found = scored.metrics.get("cost_m")
     return float("inf") if found is None or found.value is None else float(found.value)
-
-
-def _cell(found: Any, form: str) -> str:
-    if found is None or found.value is None:
-        return ""
-    if found.low is None or found.high is None:
-        return f"{found.value:{form}}"
-    return f"{found.value:{form}} [{found.low:{form}}, {found.high:{form}}]"

@@ -22,7 +22,7 @@ from rss_gym.eval.studies.calibration.output import comment
 from rss_gym.eval.studies.calibration.text import part
 from rss_gym.eval.suites import find
 from rss_gym.files import check_new, save_or_keep
-from rss_gym.pages import page
+from rss_gym.pages.markup import renderer
 from rss_gym.pages.page import Section
 from rss_gym.params import CHANNELS, Channel, load_channel
 from rss_gym.radio import save_channel
@@ -33,6 +33,7 @@ RULE = tuple(f"orthogonal:radius_m={radius}" for radius in (15, 20, 30, 40, 60, 
 OTHERS = ("orca", "cbf", "mpc", "orthogonal@oracle:radius_m=60", "constant:right_m=30", "blind")
 
 LOGS, PRESET = "wifi_walk", "quadcopter"
+render = renderer(__file__)
 RADIO, CHANNEL = "radio", "channel.toml"
 SECTION = "On the channel of a recorded radio"
 WIDTH = 116  # of the lines that are printed
@@ -124,9 +125,8 @@ def run(out: str | os.PathLike[str], episodes: int, workers: int) -> Path:
 
 def section(result: Result, found: Radio) -> Section:
     """The flights on the radio's channel, for the page of the others."""
-    origin = f'<p class="text">{page.text(found.origin)}</p>\n'
-    link = f'<p class="text"><a href="{RADIO}/{report.REPORT}">All metrics and the replays on this channel</a></p>\n'
-    return Section(SECTION, origin + charts.safety(result) + link + tables.main(result))
+    parts = {"chart": charts.safety(result, caption=False), "scores": tables.main(result)}
+    return Section(SECTION, render("radio.html", origin=found.origin, page=f"{RADIO}/{report.REPORT}", **parts))
 
 
 def _say(line: str) -> None:

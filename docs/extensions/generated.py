@@ -25,6 +25,7 @@ from rss_gym.env import EncounterEnv
 from rss_gym.ids import IDS
 from rss_gym.listing import listing, parameters
 from rss_gym.observation import fields
+from rss_gym.pages.table import Table
 from rss_gym.params import Params
 from rss_gym.tracking import TRACKERS
 
@@ -39,8 +40,7 @@ LEVELS = {
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A Markdown table."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in lines)
+    return Table(header, (list(map(str, row)) for row in rows)).markdown
 
 
 def column(field: Any) -> str:

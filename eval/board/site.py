@@ -10,17 +10,24 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rss_gym.eval.board import breaks, chain, drawing, season, verdict
+from markupsafe import Markup
+
+from rss_gym.eval.board import breaks, chain, drawing, season, tables, verdict
 from rss_gym.eval.board.entry import read
 from rss_gym.eval.board.fly import ENTRIES, Places
 from rss_gym.eval.board.standing import standings
 from rss_gym.eval.suites import SUITES
 from rss_gym.files import new_folder, write_text
 from rss_gym.pages import page
+from rss_gym.pages.markup import renderer
 from rss_gym.params import ParamsError
 
-TEMPLATES = Path(__file__).parent / "templates"
+render = renderer(__file__)
 REPLAYS = 2  # drawings of an entry on a suite
+BY = {
+    "families": "Cost of the sealed encounters by family, in m",
+    "radios": "Cost of the sealed encounters by radio (index into the list of the world's channels), in m",
+}
 
 
 def build(
@@ -45,20 +52,19 @@ def build(
     RecordError
         If the board's lines do not follow each other, or a season's file is not one.
     ParamsError
-        If `out` exists, or Jinja2 is not installed.
+        If `out` exists.
     """
-    environment = _environment()
     lines = chain.read(Path(board) / chain.BOARD)
     if not lines:
         raise ParamsError(f"{Path(board) / chain.BOARD} has no lines; rss-gym board fly appends them")
     seasons = [(season.load(file), Places.of(board, file), Path(file)) for file in season_files]
     shown: list[dict[str, Any]] = []
+    style = page.style() + Markup((Path(__file__).parent / "templates" / "board.css").read_text(encoding="utf-8"))
     with new_folder(out) as folder:
         (folder / ENTRIES).mkdir()
 
         def write(name: str, template: str, title: str, depth: str = "", **values: Any) -> None:
-            text = environment.get_template(template).render(title=title, root=depth, **values)
-            write_text(folder / name, text)
+            write_text(folder / name, render(template, title=title, root=depth, style=style, **values))
 
         broken = [line for line in lines if line["kind"] == breaks.KIND]
         for current, places, file in seasons:
@@ -70,6 +76,13 @@ def build(
                 revealed = None if current.secret is None else sealed
                 count = sum(map(len, levels.values()))
                 suites.append({"flown": flown, "levels": levels, "page": name, "seed": revealed, "count": count})
+                parts = {
+                    level: {
+                        "table": tables.level(rows),
+                        "by": {title: tables.by(rows, kind) for kind, title in BY.items()},
+                    }
+                    for level, rows in levels.items()
+                }
                 write(
                     name,
                     "suite.html",
@@ -78,9 +91,11 @@ def build(
                     breaks=[line for line in broken if line["suite"] == flown.name],
                     summary=SUITES[flown.name].summary if flown.name in SUITES else "",
                     public_seed=SUITES[flown.name].seed if flown.name in SUITES else None,
-                    **suites[-1],
+                    flown=flown,
+                    seed=revealed,
+                    tables=parts,
                 )
-            shown.append({"season": current, "suites": suites})
+            shown.append({"season": current, "suites": suites, "table": tables.season(suites)})
         members = _by_entry(shown)
         for hashed, rows in members.items():
             line = rows[0]["row"].line
@@ -90,7 +105,7 @@ def build(
                 line["entry"]["name"],
                 "../",
                 line=line,
-                rows=rows,
+                table=tables.entry(rows),
                 breaks=[one for one in broken if one["entry_hash"] == hashed],
                 drawings=_drawings(Path(board), rows, replays),
                 bars=_bars(rows),
@@ -101,35 +116,8 @@ def build(
         write("enter.html", "enter.html", "How to enter, and what is checked")
         shutil.copyfile(Path(board) / chain.BOARD, folder / chain.BOARD)
         write_text(folder / "board.json", json.dumps(_as_json(shown, head), indent=1, allow_nan=False) + "\n")
-        write_text(folder / "feed.xml", environment.get_template("feed.xml").render(lines=lines[::-1][:50], head=head))
+        write_text(folder / "feed.xml", render("feed.xml", lines=lines[::-1][:50], head=head))
     return Path(out) / "index.html"
-
-
-def _environment() -> Any:
-    try:
-        import jinja2
-    except ImportError as error:
-        raise ParamsError("the pages of the board need Jinja2: pip install -e '.[board]'") from error
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    style = (page.FOLDER / "style.css").read_text(encoding="utf-8")
-    environment.globals["style"] = style + (TEMPLATES / "board.css").read_text(encoding="utf-8")
-    environment.filters["figure"] = _figure
-    return environment
-
-
-def _figure(value: float | None) -> str:
-    """A number with three figures, or a dash."""
-    if value is None:
-        return "–"
-    if value != 0.0 and abs(value) < 0.001:
-        return f"{value:.1e}"
-    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:.3g}"
 
 
 def _sealed_seed(file: Path, suite: str) -> int | None:

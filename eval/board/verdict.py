@@ -10,11 +10,11 @@ import numpy as np
 
 from rss_gym.eval.board.entry import Submission
 from rss_gym.eval.board.season import Flown, Season
+from rss_gym.eval.columns import columns_of
 from rss_gym.eval.costs import Costs, Prices
 from rss_gym.eval.evaluate import score
 from rss_gym.eval.policies import entry
 from rss_gym.eval.records import table_digest, versions
-from rss_gym.eval.report.tables import main_metrics
 from rss_gym.eval.suites import Suite
 from rss_gym.eval.workers import NOMINAL
 from rss_gym.params import ParamsError
@@ -95,7 +95,7 @@ def _part(suite: Suite, seed: int, submission: Submission, none: np.ndarray, tab
         "table_sha256": table_digest(table),
         "metrics": {
             name: dataclasses.asdict(metrics[name])
-            for name in dict.fromkeys((*COLUMNS, *main_metrics(suite.params)))
+            for name in dict.fromkeys((*COLUMNS, *columns_of(suite.params)))
             if name in metrics
         },
         "families": families,

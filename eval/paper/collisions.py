@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from rss_gym.eval.intervals import clopper_pearson
@@ -106,7 +107,7 @@ def collisions(study: Study) -> Panel:
     )
 
 
-def _drawing(study: Study, counted: dict[float, Counts], shares: NDArray[np.float64]) -> str:
+def _drawing(study: Study, counted: dict[float, Counts], shares: NDArray[np.float64]) -> Markup:
     """`shares` (radii, 3): value, low and high."""
     with figure("Miss probability over the radius of the zone", height_in=4.4) as drawing:
         axes = drawing.axes
@@ -130,7 +131,7 @@ def _drawing(study: Study, counted: dict[float, Counts], shares: NDArray[np.floa
         axes.set(yscale="log", xlim=(0.0, 245.0), ylim=(LEAST_SHOWN, 1.5))
         axes.set(xlabel="radius of the safety zone, m", ylabel="probability of a miss")
         axes.legend(loc="upper right")
-    return drawing.markup
+    return drawing.html
 
 
 def _step_m(delta_m: float) -> float:

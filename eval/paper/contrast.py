@@ -92,7 +92,7 @@ def contrast(study: Study) -> Panel:
         said += f"A recorded set of 802.11 is compared too where the folder {FOLDER} lies in that of RSS_GYM_DATA."
     return Panel(
         "Figure 11 (a) on other radios: slow noise, and recorded logs",
-        drawing.markup,
+        drawing.html,
         "80 % within about 10 m with least squares, 8.5 m with the white noise model, 4 m with the coloured one.",
         said,
         tuple(numbers),

@@ -63,7 +63,7 @@ def cdf(study: Study) -> Panel:
     )
     return Panel(
         "Figures 5 and 10: error distribution",
-        drawing.markup,
+        drawing.html,
         "80 % of the errors are within about 4 m with the Kalman filter and within about 10 m with least squares.",
         f"80 % are within {np.median(kalman):.1f} m and {np.median(least):.1f} m; the mean of a 5 s window, a second "
         f"reading of least squares, gives {np.median(study.p80_m('ls-window')):.1f} m.",
@@ -100,7 +100,7 @@ def paths(study: Study) -> Panel:
     samples = sum(len(flight.time_s) for flight in flights)
     return Panel(
         "Figure 8: flights",
-        drawing.markup,
+        drawing.html,
         "Flights out from a ground antenna and back within 60 m, in four directions at three altitudes, at 0 to 5 m/s.",
         f"Twelve simulated flights of the same plan: {samples:,} samples at {1.0 / PERIOD_S:g} Hz up to "
         f"{max(flight.distance_m.max() for flight in flights):.0f} m and "
@@ -151,7 +151,7 @@ def distance(study: Study) -> Panel:
     )
     return Panel(
         "Figure 9: distance",
-        drawing.markup,
+        drawing.html,
         "Least squares fluctuates severely, the Kalman filter is more stable, and both err more at larger distances.",
         f"One repetition of the flight {flight.name} (left), and the errors of all flights over the distance (right; "
         f"bars: middle 95 % of {study.size.repetitions} repetitions). From near to far the error grows "

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from rss_gym.eval.paper.number import Number
 from rss_gym.pages.figure import COLOURS, MUTED
@@ -21,7 +22,7 @@ class Panel:
     ----------
     title : str
         "Figure 2: ...".
-    markup : str
+    figure : Markup
         The drawing.
     paper, here : str
         One line each, plain text: what the paper shows and what came out.
@@ -29,7 +30,7 @@ class Panel:
     """
 
     title: str
-    markup: str
+    figure: Markup
     paper: str
     here: str
     numbers: tuple[Number, ...] = ()

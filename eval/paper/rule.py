@@ -90,7 +90,7 @@ def drawing_of_rule(study: Study) -> Panel:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
     return Panel(
         "Figure 6: orthogonal rule",
-        drawing.markup,
+        drawing.html,
         "U_j goes to the edge of U_i's safety zone, at right angles to U_i's velocity.",
         "Computed by the library: the printed rule (45) moves U_j at right angles to the edge of the zone round "
         f"u_i(n), {np.linalg.norm(printed - ahead):.0f} m from u_i(n+1) here; with the zone round u_i(n+1) it is S = "
@@ -134,7 +134,7 @@ def trajectories(study: Study) -> Panel:
     )
     return Panel(
         "Figure 13: trajectories",
-        drawing.markup,
+        drawing.html,
         "The modified trajectory of UAV2 respects the safety zone and does not significantly divert from the "
         "predefined one.",
         f"One of {study.size.pairs:,} random pairs. The rule moves the way points it changes by {mean.value:.2f} S in "
@@ -216,7 +216,7 @@ def distances(study: Study) -> Panel:
     )
     return Panel(
         "Figure 14: distances",
-        drawing.markup,
+        drawing.html,
         "After modification the distance is at least the radius of the safety zone.",
         f"As printed, the rule falls short of S by up to {short['printed'].max():.1f} m; centred on the zone of n+1 "
         "it holds to rounding.",

@@ -132,7 +132,7 @@ def scan(study: Study) -> Panel:
     )
     return Panel(
         "Figure 11 (a) over other radios: where the factor of two lies",
-        drawing.markup,
+        drawing.html,
         "The error of the coloured model is about half that of the white one; the paper adds that this depends on the "
         "environment.",
         "All radios have the total noise of the preset, for which least squares errs as in the paper. Lines: "

@@ -9,8 +9,8 @@ from rss_gym.eval.paper.flights import PERIOD_S
 from rss_gym.eval.paper.number import Number, over
 from rss_gym.eval.paper.panel import BLUE, ORANGE, Panel
 from rss_gym.eval.paper.study import Study
-from rss_gym.eval.report.numbers import MINUS
 from rss_gym.pages.figure import MUTED, NOMINAL, figure
+from rss_gym.pages.numbers import MINUS
 from rss_gym.params import Channel, load_channel
 from rss_gym.radio import AllanCurve, GaussMarkov, allan_curve, allan_model, received, simulate
 
@@ -34,7 +34,7 @@ def segment(study: Study) -> Panel:
         axes.legend(loc="upper center", ncols=3)
     return Panel(
         "Figure 2: received signal",
-        drawing.markup,
+        drawing.html,
         "One segment of the received signal, with slow and fast variations.",
         f"RSS at {1.0 / PERIOD_S:g} Hz over the flight {flight.name}, on the channel preset paper: the coloured noise "
         "wanders for seconds, the white noise jumps from sample to sample.",
@@ -117,7 +117,7 @@ def allan(study: Study) -> Panel:
     )
     return Panel(
         "Figure 3: Allan variance",
-        drawing.markup,
+        drawing.html,
         "White noise falls with slope −1; the real signal rises at short τ and lies above white noise at long τ.",
         f"White noise falls with slope {MINUS}{abs(numbers[0].measured):.2f}. With coloured noise the steepest slope "
         f"at short τ is {numbers[1].measured:.2f} on the preset paper and {numbers[2].measured:.2f} with the noise of "

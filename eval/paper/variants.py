@@ -94,7 +94,7 @@ def noise(study: Study) -> Panel:
     )
     return Panel(
         "Figure 11 (a): white and coloured noise",
-        drawing.markup,
+        drawing.html,
         "80 % of the errors are within about 4 m with the coloured noise model, about 8.5 m with the white one.",
         f"Within {np.median(p80['coloured']):.1f} m, and {np.median(p80_same):.1f} m with white noise of "
         "variance R and the other parameters the same. A white filter of variance R + S with a process noise of its "
@@ -169,7 +169,7 @@ def path_loss_factor(study: Study) -> Panel:
     )
     return Panel(
         "Figure 11 (b): path loss factor",
-        drawing.markup,
+        drawing.html,
         "Adaptive γ is better than any fixed γ of 2 to 6 from 70 % up; the higher the fixed γ, the better.",
         f"At the worst level, adaptive γ errs {numbers[0].measured:.2f} times as much as the best fixed one if fitted "
         f"to distances from integrated velocity, {numbers[1].measured:.1f} times if fitted to the filter's own. The "
@@ -217,7 +217,7 @@ def velocity(study: Study) -> Panel:
     )
     return Panel(
         "Figure 11 (c): inertial measurements",
-        drawing.markup,
+        drawing.html,
         "80 % of the errors are within 1.7 m when the filter is given the velocity.",
         f"Within {np.median(p80['coloured-velocity']):.1f} m, against {np.median(p80['coloured']):.1f} m without it; "
         f"the white filter with velocity comes to {np.median(p80['white-velocity']):.1f} m.",

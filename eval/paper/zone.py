@@ -88,7 +88,7 @@ def zone(study: Study) -> Panel:
     ]
     return Panel(
         "Figure 4: safety zone",
-        drawing.markup,
+        drawing.html,
         "A warning is due when the distance to another aircraft is at most S (29).",
         f"Drawn to scale with S of (40). With P = 0.8 and 1e-5, (37) gives {n_d} looks and (40) {radii[4.0]:g} m and "
         f"{radii[16.0]:g} m, as printed.",

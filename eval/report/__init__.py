@@ -44,7 +44,7 @@ def markup(
     data = None if flown is None else replay.player(result, flown)
     packages = versions(*result.suite.domain.packages) if packages is None else packages
     sections = [
-        Section("Safety against deviation", charts.safety(result) + charts.CAPTION),
+        Section("Safety against deviation", charts.safety(result)),
         Section("Scores", tables.main(result)),
         *more,
         Section("Replays", replay.markup(data), data),

@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
+
+from markupsafe import Markup
 
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.report import labels, series
 from rss_gym.eval.report.curves import Curve
 from rss_gym.eval.report.labels import Box, Label, Placed
-from rss_gym.eval.report.numbers import full
+from rss_gym.eval.report.scales import Decades, Linear
 from rss_gym.eval.report.series import Series
-from rss_gym.eval.report.svg import Decades, Linear, element, line, picture, words
 from rss_gym.eval.report.tables import ordered
-from rss_gym.pages.page import text
+from rss_gym.pages.markup import renderer
+from rss_gym.pages.numbers import full
 
+render = renderer(__file__)
 ACROSS, UP = "path_deviation_mean_m", "collision_rate"
 UNITS = {"_mps": "m/s", "_m": "m", "_s": "s"}
 RADIUS_PX, ARROW_PX = 4.5, 20.0
@@ -57,13 +61,12 @@ class Point:
     front: bool = False
 
 
-def safety(result: Result) -> str:
-    """The chart in every size, each with a line on what it leaves out."""
+def safety(result: Result, caption: bool = True) -> Markup:
+    """The chart in every size, each with a line on what it leaves out; with `caption` how to read it."""
     found = series.of(result)
     points, missing = _points(result, found)
-    if not points:
-        return '<p class="note">No policy has both a collision rate and a mean deviation.</p>'
-    return "".join(_figure(points, missing, found, size) for size in SIZES)
+    charts = [_figure(points, missing, found, size) for size in SIZES] if points else []
+    return render("safety.html", charts=charts, caption=caption)
 
 
 def _points(result: Result, found: Series) -> tuple[dict[int, Point], list[str]]:
@@ -100,46 +103,39 @@ def axes(points: list[Point], size: Size) -> tuple[Linear, Decades]:
     return across, Decades(low, high, size.height - size.bottom, size.top)
 
 
-def _figure(points: dict[int, Point], missing: list[str], found: Series, size: Size) -> str:
+def _figure(points: dict[int, Point], missing: list[str], found: Series, size: Size) -> dict[str, Any]:
+    """What the template draws of one size."""
     x, y = axes(list(points.values()), size)
     at = {index: (x(_value(p.across)), y(height(p.up))) for index, p in points.items()}
-    paths = [[at[index] for index, _ in curve.members if index in at] for curve in found.curves]
-    curve_labels = [
-        Label(_curve_text(curve, size), (*path, *_middles(path)), size.type_px + 0.5)
-        for curve, path in zip(found.curves, paths, strict=True)
-        if path
-    ]
-    point_labels = [
+    curves = [(curve, [at[index] for index, _ in curve.members if index in at]) for curve in found.curves]
+    curves = [(curve, path) for curve, path in curves if path]
+    classes = [found.classes[curve.members[0][0]] for curve, _ in curves]
+    wanted = [Label(_curve_text(curve, size), (*path, *_middles(path)), size.type_px + 0.5) for curve, path in curves]
+    wanted += [
         Label(labels.shortened(p.text, size.label_length), (at[index],), size.type_px) for index, p in points.items()
     ]
-    marks, lines = _obstacles(points, at, paths, x, y)
+    marks, lines = _obstacles(points, at, [path for _, path in curves], x, y)
     bounds = (size.left, size.top - 16.0, float(size.width), size.height - size.bottom)
-    wanted = [*curve_labels, *point_labels]
     placed = labels.place(wanted, marks, lines, bounds)
-    curve_classes = [
-        found.classes[curve.members[0][0]] for curve, path in zip(found.curves, paths, strict=True) if path
-    ]
-    classes = [f"name {class_}" for class_ in curve_classes] + [p.class_ for p in points.values()]
-    content = _grid(x, y, size)
-    for curve, path in zip(found.curves, paths, strict=True):
-        steps = " ".join(f"{a:.1f},{b:.1f}" for a, b in path)
-        content += element("polyline", class_=f"curve {found.classes[curve.members[0][0]]}", points=steps)
-    content += "".join(_point(p, at[index], x, y) for index, p in points.items())
-    content += "".join(
-        _label(label, spot, class_) for label, spot, class_ in zip(wanted, placed, classes, strict=True) if spot
-    )
-    bare = [p.name for p, spot in zip(points.values(), placed[len(curve_labels) :], strict=True) if spot is None]
-    notes = _note("Points without room for a label", bare) + _note("Not on the chart, without both figures", missing)
-    svg = picture(content, size.width, size.height, "chart", "Collisions per encounter against mean deviation")
-    return f'<div class="figure {size.class_}">{svg}{notes}</div>\n'
+    of_labels = [f"name {class_}" for class_ in classes] + [p.class_ for p in points.values()]
+    bare = [p.name for p, spot in zip(points.values(), placed[len(curves) :], strict=True) if spot is None]
+    return {
+        "class": size.class_,
+        "radius": RADIUS_PX,
+        **{name: getattr(size, name) for name in ("width", "height", "left", "right", "bottom")},
+        "across": [(x(value), shown) for value, shown in x.ticks(size.ticks)],
+        "up": [(y(value), shown) for value, shown in y.ticks()],
+        "curves": [{"class": class_, "points": path} for class_, (_, path) in zip(classes, curves, strict=True)],
+        "points": [_point(p, at[index], x, y) for index, p in points.items()],
+        "labels": [
+            _label(label, spot, class_) for label, spot, class_ in zip(wanted, placed, of_labels, strict=True) if spot
+        ],
+        "notes": {"Points without room for a label": bare, "Not on the chart, without both figures": missing},
+    }
 
 
 def _curve_text(curve: Curve, size: Size) -> str:
     return labels.shortened(curve.label if len(curve.label) <= size.label_length else curve.short, size.label_length)
-
-
-def _note(words_: str, names: list[str]) -> str:
-    return f'<p class="note">{words_}: {text(", ".join(names))}.</p>' if names else ""
 
 
 def _value(estimate: Estimate) -> float:
@@ -180,55 +176,30 @@ def _whiskers(p: Point, at: tuple[float, float], x: Linear, y: Decades) -> list[
     return out
 
 
-def _grid(x: Linear, y: Decades, size: Size) -> str:
-    floor, right = size.height - size.bottom, size.width - size.right
-    content = ""
-    for value, shown in y.ticks():
-        content += line(size.left, y(value), right, y(value), "grid")
-        content += words(shown, size.left - 8.0, y(value) + 4.0, "tick", "end")
-    for value, shown in x.ticks(size.ticks):
-        content += line(x(value), floor, x(value), floor + 5.0, "axis")
-        content += words(shown, x(value), floor + 18.0, "tick", "middle")
-    content += line(size.left, floor, right, floor, "axis")
-    content += words("collisions per encounter (best is lower left)", 2.0, 14.0, "title")
-    return content + words("mean deviation from the predefined path, m", right, size.height - 6.0, "title", "end")
+def _point(p: Point, at: tuple[float, float], x: Linear, y: Decades) -> dict[str, Any]:
+    tip = f"{p.name}\ncollision rate {full(p.up, p.up.unit)}\nmean deviation {full(p.across, p.across.unit)}"
+    arrow = at[1] + ARROW_PX if p.up.value == 0.0 else None
+    whiskers = [(*start, *end) for start, end in _whiskers(p, at, x, y)]
+    return {
+        "class": p.class_,
+        "front": p.front,
+        "tip": tip,
+        "x": at[0],
+        "y": at[1],
+        "arrow": arrow,
+        "whiskers": whiskers,
+    }
 
 
-def _point(p: Point, at: tuple[float, float], x: Linear, y: Decades) -> str:
-    tip = element("title", text(f"{p.name}\ncollision rate {full(p.up)}\nmean deviation {full(p.across)}"))
-    lines = "".join(line(*start, *end, "whisker") for start, end in _whiskers(p, at, x, y))
-    a, b = at
-    if p.up.value == 0.0:
-        head = f"M{a - 4:.1f} {b + ARROW_PX - 6:.1f}L{a:.1f} {b + ARROW_PX:.1f}L{a + 4:.1f} {b + ARROW_PX - 6:.1f}"
-        mark = line(a - 6.0, b, a + 6.0, b, "bound") + element("path", class_="whisker", d=head)
-    elif p.class_ == "nominal":
-        side = 2.0 * RADIUS_PX
-        mark = element("rect", class_="mark", x=a - RADIUS_PX, y=b - RADIUS_PX, width=side, height=side)
-    else:
-        mark = element("circle", class_="mark", cx=a, cy=b, r=RADIUS_PX)
-    if p.front:
-        mark += element("circle", class_="front", cx=a, cy=b, r=RADIUS_PX + 3.0)
-    hover = element("circle", class_="hover", cx=a, cy=b, r=12.0)
-    return element("g", tip + lines + mark + hover, class_=f"point {p.class_}")
-
-
-def _label(label: Label, spot: Placed, class_: str) -> str:
+def _label(label: Label, spot: Placed, class_: str) -> dict[str, Any]:
     left, top, right, bottom = spot.box
-    leader = ""
-    if spot.distance_px > 12.0:
-        a, b = spot.spot
-        leader = line(a, b, min(max(a, left), right), min(max(b, top), bottom), f"leader {class_}")
-    base = (top + bottom) / 2.0 + 0.35 * label.size_px
-    return leader + element(
-        "text", text(label.text), x=(left + right) / 2.0, y=base, class_=f"label {class_}", text_anchor="middle",
-        font_size=label.size_px,
-    )  # fmt: skip
-
-
-CAPTION = (
-    '<p class="note">Best is lower left: down is safer, left is nearer to the predefined path; the scale of collisions '
-    "is logarithmic. A ring marks the front: no other policy of its level of information has both fewer collisions and "
-    "less deviation. Red: a policy with faults, which is not ranked. "
-    "Lines through the points are 95 % intervals. A bar with an arrow: no collision was seen, and the rate lies below "
-    "the bar, the upper end of its interval.</p>\n"
-)
+    a, b = spot.spot
+    far = spot.distance_px > 12.0
+    return {
+        "class": class_,
+        "text": label.text,
+        "size": label.size_px,
+        "x": (left + right) / 2.0,
+        "y": (top + bottom) / 2.0 + 0.35 * label.size_px,
+        "leader": (a, b, min(max(a, left), right), min(max(b, top), bottom)) if far else None,
+    }

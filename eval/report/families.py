@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
+from markupsafe import Markup
 
 from rss_gym.eval.evaluate import Result
 from rss_gym.eval.intervals import Interval, clopper_pearson
-from rss_gym.eval.report import series
-from rss_gym.eval.report.numbers import number
-from rss_gym.eval.report.tables import policy_heading, scrolled
-from rss_gym.pages.page import text
+from rss_gym.eval.report.tables import policies
+from rss_gym.pages.markup import renderer
+from rss_gym.pages.numbers import MISSING, short
+from rss_gym.pages.table import Cell, Column, Table
 
+render = renderer(__file__)
 FAINTEST = -4.0  # power of ten that gets no shade
 
 
@@ -31,30 +34,21 @@ def shade(rate: float) -> float:
     return min(1.0, max(0.0, 1.0 - math.log10(rate) / FAINTEST)) if rate > 0.0 else 0.0
 
 
-def breakdown(result: Result) -> str:
+def breakdown(result: Result) -> Markup:
     """The table."""
-    table = rates(result)
-    counts = [interval.n for interval in table[0]]
-    headings = '<th scope="col">policy</th>' + "".join(
-        f'<th scope="col">{text(name)} <span class="unit">n = {count:,}</span></th>'
-        for name, count in zip(result.suite.families, counts, strict=True)
+    found = rates(result)
+    columns = [
+        Column(name, form=short, note=f"n = {interval.n:,}")
+        for name, interval in zip(result.suite.families, found[0], strict=True)
+    ]
+    rows = (
+        [name, *(_cell(column, rate) for column, rate in zip(columns, rates_of_one, strict=True))]
+        for name, rates_of_one in zip(policies(result), found, strict=True)
     )
-    rows = ""
-    for scored, class_, row in zip(result.policies, series.of(result).classes, table, strict=True):
-        rows += f"<tr>{policy_heading(scored.entry.name, class_)}{''.join(map(_cell, row))}</tr>\n"
-    return scrolled(
-        f'<table class="heat sortable"><thead><tr>{headings}</tr></thead>\n<tbody>\n{rows}</tbody></table>'
-    ) + (
-        '<p class="note">Collisions per encounter of the family, with exact 95 % intervals; the stronger the '
-        "colour, the higher the rate, on a logarithmic scale.</p>"
-    )
+    return render("families.html", table=Table(["policy", *columns], rows, "heat sortable"))
 
 
-def _cell(rate: Interval) -> str:
+def _cell(column: Column, rate: Interval) -> Cell:
     if rate.value is None:
-        return '<td class="none">–</td>'
-    ends = f"[{number(rate.low, 2)}, {number(rate.high, 2)}]"
-    return (
-        f'<td style="--shade:{shade(rate.value):.2f}" data-value="{rate.value!r}"><span class="value">'
-        f'{number(rate.value, 2)}</span> <span class="interval">{ends}</span></td>'
-    )
+        return Cell(MISSING, class_="none")
+    return dataclasses.replace(column.cell(rate), style=f"--shade:{shade(rate.value):.2f}")

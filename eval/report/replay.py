@@ -7,21 +7,21 @@ flights alone.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.report import series
 from rss_gym.eval.report.flights import Flown, ReplayFlight
-from rss_gym.pages.page import text
+from rss_gym.pages.markup import renderer
 
+render = renderer(__file__)
 POLICIES, ENCOUNTERS = 12, 3  # that fit into the page
 RULE = "orthogonal"
-NONE = "The record holds no flights, so that this page has no replays."
+NOTHING = "The record holds no flights, so that this page has no replays."
 SAME = ("collision", "min_separation_m", "flown_m", "flown_s")  # columns that a second flight must repeat
 
 
@@ -121,15 +121,6 @@ def again(result: Result, index: int, row: int) -> dict[str, Any]:
     return {"same": same, **flight.to_dict()}
 
 
-def markup(data: dict[str, Any] | None) -> str:
+def markup(data: dict[str, Any] | None) -> Markup:
     """The markup round the player, which the page's script shows and fills with what `player` gave."""
-    if data is None:
-        return f'<p class="note">{NONE}</p>'
-    words = f"<code>{text(data['beside'])}</code>"
-    if data["beside"] != NOMINAL:
-        words += f" (and that one beside <code>{NOMINAL}</code>)"
-    notes = [f"Not flown again: {sentence}." for sentence in data["failed"]]
-    if data["left_out"]:
-        notes.insert(0, f"Without replays, to keep the page small: {', '.join(data['left_out'])}.")
-    template = Template(Path(__file__).with_name("player.html").read_text(encoding="utf-8"))
-    return template.substitute(beside=words, notes="".join(f'<p class="note">{text(note)}</p>\n' for note in notes))
+    return render("replays.html", data=data, nothing=NOTHING, nominal=NOMINAL)

@@ -11,7 +11,8 @@ import gymnasium as gym
 
 from rss_gym import baselines
 from rss_gym.baselines import shipped
-from rss_gym.eval.studies.study import Part, table
+from rss_gym.eval.studies.study import Part
+from rss_gym.pages.table import Table
 from rss_gym.params import Params, ParamsError
 from rss_gym.render import film
 
@@ -52,7 +53,8 @@ def agents(root: Path) -> str:
         ]
         for name, folder in baselines.AGENTS.items()
     ]
-    return table(["agent and card", "trained in", "how"], rows) if rows else "This version comes without an agent."
+    shown = Table(["agent and card", "trained in", "how"], rows).markdown
+    return shown if rows else "This version comes without an agent."
 
 
 def animation() -> bytes:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from rss_gym.eval.studies.study import table
+from rss_gym.pages.table import Column, Table
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,27 +53,27 @@ class Section:
     title : str
     how : str
         What was flown: encounters, split, seed.
-    header : sequence of str
-    rows : sequence of sequences of str
+    header : sequence of Column or str
+    rows : sequence of sequences
+        Of each column a value, see `rss_gym.pages.table.Column.cell`.
     criteria : sequence of Criterion
     """
 
     title: str
     how: str
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
+    header: Sequence[Column | str]
+    rows: Sequence[Sequence[Any]]
     criteria: Sequence[Criterion] = ()
 
     @property
     def text(self) -> str:
         """For a terminal."""
-        grid = [list(self.header), *map(list, self.rows)]
-        widths = [max(len(row[column]) for row in grid) for column in range(len(self.header))]
-        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in grid]
+        lines = Table(self.header, self.rows).lines()
         return "\n".join([self.title, self.how, "", *lines, "", *map(str, self.criteria), ""])
 
     @property
     def markdown(self) -> str:
         """For the docs."""
         criteria = [f"- {criterion}" for criterion in self.criteria]
-        return "\n".join([f"## {self.title}", "", self.how, "", table(self.header, self.rows), "", *criteria, ""])
+        shown = Table(self.header, self.rows).markdown
+        return "\n".join([f"## {self.title}", "", self.how, "", shown, "", *criteria, ""])

@@ -18,7 +18,6 @@ from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.records import SCORES, save, versions
 from rss_gym.eval.suites import find
-from rss_gym.eval.text import cell
 from rss_gym.files import write_bytes, write_text
 from rss_gym.params import ParamsError
 
@@ -170,10 +169,6 @@ class ScoreRow:
     episodes: int
     metrics: dict[str, Estimate]
 
-    def cell(self, name: str, form: str, interval: bool = True) -> str:
-        """A metric with its interval."""
-        return cell(self.metrics[name], 1.0, form, interval)
-
 
 def read(folders: Iterable[Path]) -> dict[str, ScoreRow]:
     """The policies of records over the same encounters."""
@@ -184,12 +179,6 @@ def read(folders: Iterable[Path]) -> dict[str, ScoreRow]:
             metrics = {name: Estimate(**value) for name, value in policy["metrics"].items()}
             rows[policy["spec"]] = ScoreRow(policy["spec"], scores["episodes"], metrics)
     return rows
-
-
-def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def made(study: str, episodes: int | None = None, *packages: str) -> str:

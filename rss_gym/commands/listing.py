@@ -16,6 +16,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Print the lists."""
     from rss_gym.listing import listing
+    from rss_gym.pages.table import Table
 
     content = listing()
     if options.json:
@@ -23,6 +24,5 @@ def run(options: argparse.Namespace) -> None:
         return
     for title, rows in content.items():
         print(f"{title}:")
-        width = max(len(name) for name in rows)
-        for name, text in rows.items():
-            print(f"  {name:<{width}}  {text}")
+        for line in Table(["", ""], rows.items()).lines(header=False):
+            print(f"  {line}")

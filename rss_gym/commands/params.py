@@ -30,6 +30,7 @@ def run(options: argparse.Namespace) -> None:
     """
     from rss_gym.listing import parameters
     from rss_gym.meanings import MEANINGS
+    from rss_gym.pages.table import Table
     from rss_gym.params import ParamsError, suggestion
 
     rows = parameters(options.filter)
@@ -39,13 +40,13 @@ def run(options: argparse.Namespace) -> None:
         print(json.dumps(rows, indent=1))
         return
     group = ""
-    widths = [max(len(_shown(row[key])) for row in rows) for key in ("name", "default", "unit", "range")]
-    for row in rows:
+    keys = ("name", "default", "unit", "range", "meaning")
+    lines = Table([""] * len(keys), ([_shown(row[key]) for key in keys] for row in rows)).lines(header=False)
+    for row, line in zip(rows, lines, strict=True):
         if row["group"] != group:
             group = row["group"]
             print(f"{group}: (keys of a channel)" if group == "channel" else f"{group}:")
-        cells = [_shown(row[key]) for key in ("name", "default", "unit", "range")]
-        print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(cells, widths, strict=True)), row["meaning"])
+        print(f"  {line}")
 
 
 def _shown(value: object) -> str:

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rss_gym.pages.page import text
+from markupsafe import Markup, escape
+
 from rss_gym.params import ParamsError
 
 # A colour that stands for a variable of the style sheet, and the variable.
@@ -60,6 +61,11 @@ class Drawing:
         self.axes = axes
         self.markup = ""
 
+    @property
+    def html(self) -> Markup:
+        """The markup for a template or a section."""
+        return Markup(self.markup)
+
 
 @contextmanager
 def figure(
@@ -81,7 +87,7 @@ def figure(
     Yields
     ------
     Drawing
-        `axes` while the block runs, `markup` after it.
+        `axes` while the block runs; `markup`, and the same as `html`, after it.
     """
     require_figures()
     from cycler import cycler
@@ -106,4 +112,4 @@ def _in_page(svg: str, label: str) -> str:
     prefix = f"f{hashlib.sha256(svg.encode()).hexdigest()[:8]}-"
     svg = re.sub(r'(\bid="|url\(#|xlink:href="#)', lambda match: match.group(0) + prefix, svg)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL).replace(">*{", ">.plot *{")
-    return svg.replace("<svg", f'<svg role="img" aria-label="{text(label)}"', 1)
+    return svg.replace("<svg", f'<svg role="img" aria-label="{escape(label)}"', 1)

@@ -74,7 +74,7 @@ def test_the_page_shows_it_in_red(result):
 
 def test_the_table_has_places_costs_and_differences(result):
     head, _, first, second, *_ = text.table(result).splitlines()
-    assert head.split()[:4] == ["policy", "information", "cost", "m"] and "more than the first m" in head
+    assert head.split()[:4] == ["policy", "information", "cost,", "m"] and "more than the first, m" in head
     assert first.startswith("1*") and " orca " in first and second.startswith("2") and " none " in second
     difference = next(place.difference for place in ranking.of(result, differences=True)["positions"][1:])
     assert f"{difference.value:+.2f} [{difference.low:+.2f}, {difference.high:+.2f}]" in second

@@ -75,7 +75,7 @@ class Clumsy:
 def test_a_policy_that_failed_stays_so(tmp_path, monkeypatch):
     result = evaluate({"clumsy": Clumsy()}, episodes=3, progress=False)
     before, after = again(records.save(result, tmp_path / "run", page=report.write), monkeypatch)
-    assert after == before and b"Not flown again: policy &#x27;clumsy&#x27; raised" in after
+    assert after == before and b"Not flown again: policy &#39;clumsy&#39; raised" in after
 
 
 def test_the_flights_are_those_of_the_tables(sound):
@@ -90,7 +90,7 @@ def test_a_record_without_flights_says_so(tmp_path):
     result = merge([fly("brake", episodes=range(3)), fly("brake", episodes=range(3, 6))])
     folder = records.save(result, tmp_path / "run")
     page = redraw(folder).read_text(encoding="utf-8")
-    assert page.count(replay.NONE) == 1 and 'id="data-replays"' not in page and 'id="player"' not in page
+    assert page.count(replay.NOTHING) == 1 and 'id="data-replays"' not in page and 'id="player"' not in page
     assert "Safety against deviation" in page and "brake" in page
 
 
@@ -105,7 +105,7 @@ def test_a_record_of_before_is_drawn(folder):
     file.write_text(json.dumps(content))
     assert load(folder).policies[1].action is None
     page = redraw(folder).read_text(encoding="utf-8")
-    assert '<th scope="col" class="words">actions</th>' not in page and replay.NONE in page
+    assert '<th scope="col" class="words">actions</th>' not in page and replay.NOTHING in page
 
 
 def test_what_was_recorded_is_shown(folder):

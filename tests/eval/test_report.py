@@ -17,8 +17,8 @@ from rss_gym.eval import evaluate, report
 from rss_gym.eval.intervals import clopper_pearson
 from rss_gym.eval.metrics import Estimate, defined_in
 from rss_gym.eval.report import charts, curves, labels, replay, tables
-from rss_gym.eval.report.numbers import interval, number
 from rss_gym.pages import page
+from rss_gym.pages.numbers import interval, number
 from rss_gym.params import ParamsError
 
 METRICS = defined_in("air")
@@ -175,7 +175,8 @@ def rows_of(markup):
 
 
 def test_tables_hold_the_numbers_of_the_result(result, markup):
-    columns = {re.sub("<.*?>", "", tables.heading(name)): name for name in METRICS}
+    found = {name: tables.column(name) for name in METRICS}
+    columns = {f"{one.title} ({one.unit})" if one.unit else one.title: name for name, one in found.items()}
     assert len(columns) == len(METRICS), "two metrics have one heading"
     seen = set()
     for headings, rows in rows_of(markup):

@@ -19,7 +19,7 @@ def test_the_line_is_short(result):
 def test_the_table_is_escaped_and_has_every_policy(result):
     html = result._repr_html_()
     assert html.count("<tr>") == 1 + len(result.policies)
-    assert "&lt;b&gt;bold" in html and "<b>" not in html and "cost, m" in html
+    assert "&lt;b&gt;bold" in html and "<b>" not in html and "cost (m)" in html
     assert len(html) < 20_000
 
 

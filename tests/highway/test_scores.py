@@ -132,7 +132,9 @@ def test_command(tmp_path, capsys):
     arguments = ["eval", "--suite", "merge-v0", "--policy", "rule", "--episodes", "2", "--out", str(out)]
     assert main(arguments) == 0
     shown = capsys.readouterr().out
-    assert all(title in shown for title in ("cost m", "collision rate", "near misses", "deviation m"))
+    assert all(
+        title in shown for title in ("cost, m", "collisions", "near misses", "mean deviation, m", "zone violations")
+    )
     scores = json.loads((out / "scores.json").read_text())
     assert [policy["name"] for policy in scores["policies"]] == ["none", "rule"]
     assert scores["families"] == ["merge"] and not scores["official"]

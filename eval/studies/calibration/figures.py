@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.checks import Floats
@@ -37,7 +38,7 @@ def colour_of(name: str) -> str:
     return METHOD_COLOURS.get(name.removesuffix(RATE), COLOURS[3])
 
 
-def errors(result: Calibration) -> str:
+def errors(result: Calibration) -> Markup:
     """Distribution of the absolute range error, a curve a method."""
     truth_m = np.concatenate([record.distance_m for record in result.tested])
     with figure(
@@ -56,10 +57,10 @@ def errors(result: Calibration) -> str:
         axes.set(xlim=(0.0, 1.1 * float(np.median(ends))), ylim=(0.0, 1.0))
         axes.set(xlabel="absolute range error, m", ylabel="share of samples")
         axes.legend(**_BESIDE)
-    return drawing.markup
+    return drawing.html
 
 
-def path_loss(result: Calibration) -> str:
+def path_loss(result: Calibration) -> Markup:
     """RSS against distance, a panel a link, with the link's fit and the channel."""
     links = list(result.fit.links.items())[:LINKS_SHOWN]
     columns = min(4, len(links)) if len(links) % 3 else 3
@@ -94,10 +95,10 @@ def path_loss(result: Calibration) -> str:
         canvas.legend(
             handles, ["samples", "fit of the link", "channel"], loc="outside upper right", ncols=3, markerscale=2.0
         )
-    return drawing.markup
+    return drawing.html
 
 
-def allan(result: Calibration) -> str:
+def allan(result: Calibration) -> Markup:
     """The Allan variance of the residuals with its interval, and what the fitted noise should show."""
     noise, curve = result.fit.noise, result.fit.noise.curve
     low, high = curve.interval()
@@ -125,10 +126,10 @@ def allan(result: Calibration) -> str:
         _plain_logarithm(axes.yaxis, np.array(axes.get_ylim()))
         handles, labels = axes.get_legend_handles_labels()
         axes.legend(handles[-1:] + handles[:-1], labels[-1:] + labels[:-1], **_BESIDE)
-    return drawing.markup
+    return drawing.html
 
 
-def residual(result: Calibration) -> str:
+def residual(result: Calibration) -> Markup:
     """The residual of the longest record over time, and the distribution of all residuals beside the normal one."""
     record, values = max(
         (pair for link in result.fit.links.values() for pair in zip(link.records, link.residuals_db, strict=True)),
@@ -157,10 +158,10 @@ def residual(result: Calibration) -> str:
         right.plot(normal, level, color=INK, linewidth=1.1, linestyle="--")
         right.set(xlabel="density, 1/dB", ylim=(-limit, limit))
         right.set_title(f"all; dashed: normal, {std:.1f} dB", loc="left")
-    return drawing.markup
+    return drawing.html
 
 
-def ranges(result: Calibration) -> str:
+def ranges(result: Calibration) -> Markup:
     """True and estimated range over time, on the best, the middle and the worst of the tested records."""
     found = result.scores["ekf-coloured"].ranges_m
     p80_m = [
@@ -184,7 +185,7 @@ def ranges(result: Calibration) -> str:
         panels[-1].set_xlabel("time, s")
         handles, labels = panels[0].get_legend_handles_labels()
         panels[0].figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), markerscale=3.0)
-    return drawing.markup
+    return drawing.html
 
 
 def _over_time(axes: Any, result: Calibration, record: LogRecord, k: int) -> None:

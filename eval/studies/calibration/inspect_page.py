@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from markupsafe import Markup
 
 from rss_gym.calibration.logs import LogRecord
 from rss_gym.calibration.logs.record import USED, LogFile
@@ -14,9 +15,12 @@ from rss_gym.eval.studies.calibration.inspect import facts
 from rss_gym.eval.studies.calibration.output import PAGE
 from rss_gym.eval.studies.calibration.text import printable
 from rss_gym.files import new_folder
+from rss_gym.pages import page
 from rss_gym.pages.figure import COLOURS, MUTED, figure
-from rss_gym.pages.page import Section, render, text
+from rss_gym.pages.markup import renderer
+from rss_gym.pages.page import Section
 
+render = renderer(__file__)
 _POINTS = 1500  # drawn of a link
 
 
@@ -24,32 +28,19 @@ def write(logs: Sequence[tuple[LogFile, Sequence[LogRecord], Sequence[str]]], ou
     """Write the page into a new folder and return its path."""
     sections = [Section(printable(file.source), _log(file, notes)) for file, _, notes in logs]
     rows = sum(rows.reason.size for file, _, _ in logs for rows in file.rows)
-    lead = f'<p class="lead">{len(logs)} log{"s" if len(logs) > 1 else ""}, {rows:,} rows.</p>'
+    lead = render("logs.html", logs=len(logs), rows=rows)
     with new_folder(out) as folder:
-        (folder / PAGE).write_text(render("What the logs hold", lead, sections), encoding="utf-8")
+        (folder / PAGE).write_text(page.render("What the logs hold", lead, sections), encoding="utf-8")
     return Path(out) / PAGE
 
 
-def _log(file: LogFile, notes: Sequence[str]) -> str:
-    links = "".join(
-        f"<h3>{text(rows.link)}</h3><dl>"
-        + "".join(f"<dt>{text(name)}</dt><dd>{text(value)}</dd>" for name, value in facts(rows).items())
-        + "</dl>"
-        for rows in file.rows
-    )
-    taken = "".join(
-        f"<dt>{text(key or 'not used')}</dt><dd>{text(printable(name))}</dd>" for key, name in file.columns.items()
-    )
-    listed = "".join(f"<li>{text(note)}</li>" for note in notes)
-    return (
-        f'<p class="text">{text(file.format)}.</p><dl>{taken}</dl>'
-        + _figure(file)
-        + links
-        + (f"<ul>{listed}</ul>" if listed else "")
-    )
+def _log(file: LogFile, notes: Sequence[str]) -> Markup:
+    taken = {key or "not used": printable(name) for key, name in file.columns.items()}
+    links = [(rows.link, facts(rows)) for rows in file.rows]
+    return render("log.html", file=file, taken=taken, figure=_figure(file), links=links, notes=notes)
 
 
-def _figure(file: LogFile) -> str:
+def _figure(file: LogFile) -> Markup:
     """RSS over time and over distance; dropped rows in grey."""
     with figure("RSS over time and over distance", 1, 2, width_in=11.0, height_in=3.2, sharey=True) as drawing:
         left, right = drawing.axes
@@ -64,4 +55,4 @@ def _figure(file: LogFile) -> str:
         left.set(xlabel="time, s", ylabel="RSS, dBm")
         right.set(xlabel="distance, m", xscale="log")
         right.legend(loc="upper right", markerscale=4.0)
-    return drawing.markup
+    return drawing.html

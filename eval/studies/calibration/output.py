@@ -16,9 +16,10 @@ from rss_gym.calibration.logs import LogRecord
 from rss_gym.eval.studies.calibration import report as page
 from rss_gym.eval.studies.calibration.calibrate import Calibration
 from rss_gym.eval.studies.calibration.compare import FIGURES
-from rss_gym.eval.studies.calibration.text import cell, part
+from rss_gym.eval.studies.calibration.text import errors, part
 from rss_gym.files import check_new, new_folder
 from rss_gym.pages.figure import require_figures
+from rss_gym.pages.table import Table
 from rss_gym.params import ParamsError, load_channel
 from rss_gym.radio import save_channel
 
@@ -151,20 +152,14 @@ def table(result: Calibration) -> str:
         "correlation time": f"{noise.coloured_tc_s:.3g} ± {noise.coloured_tc_std_s:.2g} s",
         "quantisation": f"{channel.quantisation_db:g} dB",
     }
-    rows = [["range error, m", *FIGURES.values()]]
-    for name, method in result.methods.items():
-        rows.append([method.title, *(cell(getattr(result.scores[name], key)) for key in FIGURES)])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines.insert(1, "  ".join("-" * width for width in widths))
     return "\n".join(
         [
             *textwrap.wrap(f"fitted: {part(fit.records, result.own_logs, 'first two thirds')}", _WIDTH),
             *textwrap.wrap(f"tested: {part(result.tested, result.own_logs, 'last third')}", _WIDTH),
             "found, with standard errors:",
-            *(f"  {name:<16}  {value}" for name, value in found.items()),
+            *(f"  {line}" for line in Table(["", ""], found.items()).lines(header=False)),
             "",
-            *lines,
+            *errors(result.methods, result.scores).lines(rule=True),
             *(f"note: {note}" for note in result.notes),
             *(f"warning: {warning}" for warning in fit.warnings),
         ]

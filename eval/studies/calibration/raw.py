@@ -9,6 +9,7 @@ from typing import Any
 from rss_gym.calibration.logs import READERS, read, told
 from rss_gym.calibration.simulated import HOME, WRITERS, SimulatedFlight, fly, write
 from rss_gym.eval.studies.calibration.calibrate import calibrate
+from rss_gym.pages.table import Table
 
 FLIGHTS, FITTED, SECONDS, RATE_HZ = 8, 4, 240.0, 2.0
 STATION: dict[str, Any] = {"station": HOME}
@@ -29,9 +30,7 @@ def table() -> str:
     """A row for each format, as Markdown."""
     flights = [fly("outdoor", SECONDS, RATE_HZ, seed) for seed in range(FLIGHTS)]
     heads = ("log", "read as", "options", "rows used", "dropped", *METHODS.values())
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
-    lines += ["| " + " | ".join(row(flights, name)) + " |" for name in WRITERS]
-    return "\n".join(lines)
+    return Table(heads, (row(flights, name) for name in WRITERS)).markdown
 
 
 def row(flights: list[SimulatedFlight], name: str) -> tuple[str, ...]:

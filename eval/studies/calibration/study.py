@@ -9,8 +9,7 @@ from pathlib import Path
 from rss_gym.calibration.logs import LogRecord, read
 from rss_gym.eval.studies.calibration import raw
 from rss_gym.eval.studies.calibration.calibrate import Calibration, calibrate
-from rss_gym.eval.studies.calibration.compare import FIGURES
-from rss_gym.eval.studies.calibration.text import cell
+from rss_gym.eval.studies.calibration.text import errors
 from rss_gym.eval.studies.study import Part
 from rss_gym.params import ParamsError
 
@@ -63,11 +62,8 @@ def table(result: Calibration, name: str) -> str:
         f"{p80_m['ekf-coloured'] / p80_m['ls']:.2f} of least squares and "
         f"{p80_m['ekf-coloured'] / p80_m['ekf-white']:.2f} of the white filter with R + S.",
         "",
-        "| range error, m | " + " | ".join(FIGURES.values()) + " |",
-        "|---|" + "---|" * len(FIGURES),
+        errors(result.methods, scores).markdown,
     ]
-    for key, method in result.methods.items():
-        lines.append(f"| {method.title} | " + " | ".join(cell(getattr(scores[key], f)) for f in FIGURES) + " |")
     return "\n".join(lines)
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rss_gym.calibration.logs import LogRecord
-from rss_gym.eval.studies.calibration.compare import Figure
+from rss_gym.eval.studies.calibration.compare import FIGURES, EstimatorScore
+from rss_gym.eval.studies.calibration.methods import Method
+from rss_gym.pages.table import Column, Table
 
 _NAMED = 12  # logs in a comment
 
@@ -26,7 +28,7 @@ def printable(name: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in name)
 
 
-def cell(figure: Figure) -> str:
-    """Value, and interval if there is one."""
-    ends = "" if figure.low is None or figure.high is None else f" [{figure.low:.2f}, {figure.high:.2f}]"
-    return f"{figure.value:.2f}{ends}"
+def errors(methods: Mapping[str, Method], scores: Mapping[str, EstimatorScore]) -> Table:
+    """The range errors of every method."""
+    rows = ([method.title, *(getattr(scores[name], key) for key in FIGURES)] for name, method in methods.items())
+    return Table(["range error, m", *(Column(title, form=".2f") for title in FIGURES.values())], rows)

@@ -4,45 +4,39 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from rss_gym.eval import ranking
+from rss_gym.eval.columns import AIR, MORE
 from rss_gym.eval.costs import Prices
-from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.ranking import Candidate, Place
 from rss_gym.eval.reading import load
-from rss_gym.eval.studies.study import ScoreRow, read, table
-from rss_gym.eval.text import cell
+from rss_gym.eval.studies.study import ScoreRow, read
+from rss_gym.eval.text import difference, number
 from rss_gym.pages import figure, page
+from rss_gym.pages.table import Cell, Column, Table
 
 TICKS_M = (1, 2, 5, 10, 20, 50, 100, 200)
 MARKERS = "osDv^PX"
-COST = ("cost, m", ".2f")
 COLUMNS = {
-    "collision_rate": ("collisions", ".2e"),
-    "snmac_rate": ("sNMACs", ".2e"),
-    "path_deviation_mean_m": ("mean deviation, m", ".2f"),
-    "unnecessary_manoeuvre_rate": ("unnecessary manoeuvres", ".3f"),
+    name: AIR[name] for name in ("collision_rate", "snmac_rate", "path_deviation_mean_m", "unnecessary_manoeuvre_rate")
 }
-
-
+COLUMNS["unnecessary_manoeuvre_rate"] = replace(AIR["unnecessary_manoeuvre_rate"], interval=True)
 SHORT = {
-    "cost_m": ("cost, m", 1.0, ".1f"),
-    "collision_rate": ("collisions, %", 100.0, ".3f"),
-    "snmac_rate": ("near collisions, %", 100.0, ".2f"),
-    "path_deviation_mean_m": ("mean distance from the path, m", 1.0, ".1f"),
+    "cost_m": replace(AIR["cost_m"], form=".1f"),
+    "collision_rate": replace(AIR["collision_rate"], unit="%", form=".3f", factor=100.0),
+    "snmac_rate": Column("near collisions", "%", ".2f", 100.0),
+    "path_deviation_mean_m": Column("mean distance from the path", "m", ".1f"),
 }
 
 
 def short(folders: Sequence[Path]) -> str:
     """The policies of records over the same encounters in order of cost, in words and numbers for the README."""
     rows = sorted(read(folders).values(), key=lambda row: row.metrics["cost_m"].value or float("inf"))
-    lines = (
-        [f"`{row.spec}`", *(cell(row.metrics[name], scale, form) for name, (_, scale, form) in SHORT.items())]
-        for row in rows
-    )
-    return table(["policy", *(title for title, *_ in SHORT.values())], lines)
+    lines = ([f"`{row.spec}`", *(row.metrics[name] for name in SHORT)] for row in rows)
+    return Table(["policy", *SHORT.values()], lines).markdown
 
 
 def ranked(folders: Sequence[Path]) -> str:
@@ -56,16 +50,13 @@ def ranked(folders: Sequence[Path]) -> str:
         prices = Prices.of(record.params)
         for policy in record.policies:
             candidates[policy.spec] = Candidate.of(policy.spec, policy.table, prices)
-    places = ranking.rank(candidates.values())
-    titles = ["place", "policy", COST[0], "more than the first, m", *(title for title, _ in COLUMNS.values())]
-    return table(titles, (_line(place, rows[place.name]) for place in places))
+    columns = ["place", "policy", AIR["cost_m"], MORE, *COLUMNS.values()]
+    return Table(columns, (_line(place, rows[place.name]) for place in ranking.rank(candidates.values()))).markdown
 
 
-def _line(place: Place, row: ScoreRow) -> list[str]:
-    number = f"{place.place}{' *' if place.front else ''}" if place.place else f"**{place.why_not}**"
-    difference = cell(Estimate(*place.difference, "m"), 1.0, "+.2f") if place.difference else ""
-    cells = [row.cell(name, form) for name, (_, form) in COLUMNS.items()]
-    return [number, f"`{row.spec}`", row.cell("cost_m", COST[1]), difference, *cells]
+def _line(place: Place, row: ScoreRow) -> list[Any]:
+    at = number(place) if place.place else Cell(place.why_not, strong=True)
+    return [at, f"`{row.spec}`", row.metrics["cost_m"], difference(place) or "", *(row.metrics[n] for n in COLUMNS)]
 
 
 def by_family(families: dict[str, dict[str, ScoreRow]]) -> str:
@@ -74,16 +65,16 @@ def by_family(families: dict[str, dict[str, ScoreRow]]) -> str:
     lines = []
     for family, rows in families.items():
         least = min(row.metrics["cost_m"].value or 0.0 for row in rows.values())
-        cells = []
-        for spec in specs:
-            if spec not in rows:
-                cells.append("-")
-                continue
-            cost = rows[spec].cell("cost_m", ".1f", False)
-            best = rows[spec].metrics["cost_m"].value == least
-            cells.append(f"{f'**{cost}**' if best else cost} ({rows[spec].cell('collision_rate', '.1e', False)})")
-        lines.append([family, *cells])
-    return table(["family", *(f"`{spec}`" for spec in specs)], lines)
+        lines.append([family, *(_of_family(rows.get(spec), least) for spec in specs)])
+    return Table(["family", *(f"`{spec}`" for spec in specs)], lines).markdown
+
+
+def _of_family(row: ScoreRow | None, least: float) -> str | None:
+    if row is None:
+        return None
+    cost = replace(SHORT["cost_m"], interval=False).cell(row.metrics["cost_m"])
+    rate = Column("", form=".1e", interval=False).cell(row.metrics["collision_rate"]).plain
+    return f"{replace(cost, strong=cost.value == least).markdown} ({rate})"
 
 
 def chart(
@@ -128,7 +119,7 @@ def chart(
 def picture(drawing: figure.Drawing) -> str:
     """A figure of a page as an SVG of its own, with the page's colours."""
     svg = re.sub(r"</?figure[^>]*>", "", drawing.markup)
-    style = (page.FOLDER / "style.css").read_text(encoding="utf-8").partition(".nominal")[0]
+    style = page.style().partition(".nominal")[0]
     return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
 
 

@@ -7,20 +7,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rss_gym.arguments import count
+from rss_gym.eval.columns import ROAD
 from rss_gym.eval.evaluate import ALL
 from rss_gym.eval.policies import folder_name
-from rss_gym.eval.studies.study import Job, Part, fly, made, read, table
-from rss_gym.eval.text import cell
+from rss_gym.eval.studies.study import Job, Part, fly, made, read
+from rss_gym.pages.table import Table
 
 SUITE = "highway-v0"
-COLUMNS = {
-    "cost_m": ("cost, m", ".1f"),
-    "collision_rate": ("collisions", ".3f"),
-    "snmac_rate": ("near misses", ".3f"),
-    "path_deviation_mean_m": ("mean deviation, m", ".1f"),
-    "lane_deviation_m": ("off the planned lane, m", ".2f"),
-    "speed_deviation_mps": ("off the planned speed, m/s", ".2f"),
-}
+COLUMNS = {name: column for name, column in ROAD.items() if column.interval}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +42,6 @@ def drivers(record: Path) -> str:
     """The rows of a record in Markdown, the cheapest first."""
     rows = []
     for row in sorted(read([record]).values(), key=lambda row: row.metrics["cost_m"].value or 0.0):
-        cells = [cell(row.metrics[name], 1.0, form) for name, (_, form) in COLUMNS.items()]
-        rows.append([f"`{folder_name(row.spec) if '/' in row.spec else row.spec}`", str(row.episodes), *cells])
-    titles = ["policy", "episodes", *(title for title, _ in COLUMNS.values())]
-    return f"{table(titles, rows)}\n\n{made('roads', None, 'highway-env')}"
+        name = folder_name(row.spec) if "/" in row.spec else row.spec
+        rows.append([f"`{name}`", str(row.episodes), *(row.metrics[metric] for metric in COLUMNS)])
+    return f"{Table(['policy', 'episodes', *COLUMNS.values()], rows).markdown}\n\n{made('roads', None, 'highway-env')}"

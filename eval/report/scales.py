@@ -1,45 +1,11 @@
-"""SVG elements as text, and the scales of an axis. Colours are classes of the page's style sheet."""
+"""The scales of a chart's axes: values to pixels, and round values for the ticks."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from rss_gym.eval.report.numbers import power_of_ten
-from rss_gym.pages.page import text
-
-
-def coordinate(value: float) -> str:
-    """A pixel to a tenth."""
-    shown = f"{value:.1f}".removesuffix(".0")
-    return "0" if shown == "-0" else shown
-
-
-def element(name: str, content: str | None = None, /, **attributes: object) -> str:
-    """An element; `class_` is `class`, `_` in other names is `-`, and numbers are pixels."""
-    parts = [name]
-    for key, value in attributes.items():
-        shown = coordinate(value) if isinstance(value, float) else text(value)
-        parts.append(f'{key.rstrip("_").replace("_", "-")}="{shown}"')
-    return f"<{' '.join(parts)}/>" if content is None else f"<{' '.join(parts)}>{content}</{name}>"
-
-
-def words(content: str, x: float, y: float, class_: str = "", anchor: str = "start") -> str:
-    """A line of text with its base line at y."""
-    return element("text", text(content), x=x, y=y, class_=class_, text_anchor=anchor)
-
-
-def line(x0: float, y0: float, x1: float, y1: float, class_: str) -> str:
-    """A straight line."""
-    return element("line", x1=x0, y1=y0, x2=x1, y2=y1, class_=class_)
-
-
-def picture(content: str, width: int, height: int, class_: str, label: str) -> str:
-    """The svg element, as wide as its frame at most."""
-    return element(
-        "svg", content, class_=class_, viewBox=f"0 0 {width} {height}", width=width, height=height, role="img",
-        aria_label=label,
-    )  # fmt: skip
+from rss_gym.pages.numbers import power_of_ten
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,24 @@
-"""Numbers as a reader sees them: three significant digits, powers of ten below a thousandth, intervals in brackets."""
+"""Numbers as a reader sees them: significant digits, powers of ten below a thousandth, intervals in brackets."""
 
 from __future__ import annotations
 
 import math
-
-from rss_gym.eval.metrics import Estimate
+from typing import Protocol
 
 MISSING = "–"
 MINUS = "−"
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class Measured(Protocol):
+    """A value with the ends of its interval, any of which may be missing."""
+
+    @property
+    def value(self) -> float | None: ...  # noqa: D102
+    @property
+    def low(self) -> float | None: ...  # noqa: D102
+    @property
+    def high(self) -> float | None: ...  # noqa: D102
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -27,19 +37,33 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{sign}{size:,.{max(0, digits - 1 - power)}f}"
 
 
+def short(value: float) -> str:
+    """The same to two digits."""
+    return number(value, 2)
+
+
+def figures(value: float | None) -> str:
+    """A number with three figures, such as `0.5` or `1.2e-04`."""
+    if value is None:
+        return MISSING
+    if value != 0.0 and abs(value) < 0.001:
+        return f"{value:.1e}"
+    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:.3g}"
+
+
 def power_of_ten(power: int) -> str:
     """`10⁻⁴`."""
     return "10" + str(power).translate(_RAISED)
 
 
-def interval(estimate: Estimate, digits: int = 3) -> str:
+def interval(estimate: Measured, digits: int = 3) -> str:
     """`[low, high]`, or nothing where the estimate has no interval."""
     if estimate.low is None and estimate.high is None:
         return ""
     return f"[{number(estimate.low, digits)}, {number(estimate.high, digits)}]"
 
 
-def full(estimate: Estimate) -> str:
+def full(estimate: Measured, unit: str = "") -> str:
     """Value, interval and unit in one line, for tool tips."""
-    unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
-    return " ".join(filter(None, (number(estimate.value) + unit, interval(estimate))))
+    named = "" if unit in ("", "1") else f" {unit}"
+    return " ".join(filter(None, (number(estimate.value) + named, interval(estimate))))
