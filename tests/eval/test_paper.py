@@ -154,7 +154,7 @@ def test_page_is_whole_and_fetches_nothing(small, folder):
     assert len(small.panels) == len(paper.FIGURES) == text.count("<svg")
     for panel in small.panels:
         assert not any(mark in panel.paper + panel.here for mark in ("{", "nan", "inf ", "None"))
-        assert panel.markup.count("<path") > 5 and panel.paper and panel.here and panel.title in text
+        assert panel.figure.count("<path") > 5 and panel.paper and panel.here and panel.title in text
     assert "default-src 'none'" in text
     assert not re.search(r'\b(?:src|href)="(?!#)', text.replace('xmlns:xlink="http', ""))
     # Every row of every table has as many cells as the table has headings.
