@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import hashlib
 import os
 import tomllib
@@ -12,26 +11,23 @@ from typing import Any
 from rss_gym import encounters
 from rss_gym.core import SEED_LIMIT
 from rss_gym.eval.board import chain, verdict
-from rss_gym.eval.board.entry import POLICY, read
+from rss_gym.eval.board.entry import DATE, POLICY, read
 from rss_gym.eval.board.fly import ENTRIES, Places, Runner, held
 from rss_gym.eval.board.limits import Job, fly_limited
 from rss_gym.eval.board.signing import private_key
 from rss_gym.eval.budget import refuse_costly
 from rss_gym.eval.costs import Costs, Prices
-from rss_gym.eval.reading.plain import Checks, RecordError, checked, read_file
+from rss_gym.eval.reading.plain import RecordError, checked, read_file
 from rss_gym.eval.records import table_digest
 from rss_gym.eval.suites import SUITES
 from rss_gym.params import PRESETS_FOLDER, ParamsError
+from rss_gym.schema import Kind, Schema, line, one_of, version, whole
 
 KIND = "break"
 FORMAT = 1
 BYTES_MAX = 64 * 1024
 COUNT_MAX = 10_000
 DRAWN_MIN = 100  # encounters from number 0 on, if they are not named one by one
-
-
-def _is_line(value: Any) -> bool:
-    return isinstance(value, str) and 1 <= len(value) <= 80 and value.isprintable()
 
 
 def _is_numbers(value: Any) -> bool:
@@ -41,20 +37,17 @@ def _is_numbers(value: Any) -> bool:
     return whole and 1 <= len(value) <= COUNT_MAX and len(set(value)) == len(value)
 
 
-_FIELDS: Checks = {
-    "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, which this version reads"),
-    "entry": (_is_line, "the name of an entry"),
-    "suite": (lambda value: value in SUITES, "the name of a suite"),
-    "author": (_is_line, "1 to 80 printable characters"),
-    "date": (lambda value: type(value) is datetime.date, "a date such as 2026-11-27, without quotes"),
-    "seed": (lambda value: type(value) is int and 0 <= value < SEED_LIMIT, "a whole number in [0, 2**63)"),
-    "episodes": (_is_numbers, f"a list of numbers, or how many from 0 on, {DRAWN_MIN} to {COUNT_MAX}"),
-    "family": (lambda value: value == "" or value in encounters.FAMILIES.shipped, "a family of encounters, or \"\""),
-    "channel": (
-        lambda value: value == "" or value in {file.stem for file in PRESETS_FOLDER.glob("*.toml")},
-        "a preset of the radio, or \"\"",
-    ),
-}  # fmt: skip
+_FIELDS: Schema = {
+    "format": version(FORMAT),
+    "entry": line(80, words="the name of an entry"),
+    "suite": Kind(lambda value: isinstance(value, str) and value in SUITES, "the name of a suite"),
+    "author": line(80),
+    "date": DATE,
+    "seed": whole(0, SEED_LIMIT - 1, "a whole number in [0, 2**63)"),
+    "episodes": Kind(_is_numbers, f"a list of numbers, or how many from 0 on, {DRAWN_MIN} to {COUNT_MAX}"),
+    "family": one_of(["", *encounters.FAMILIES.shipped], 'a family of encounters, or ""'),
+    "channel": one_of(["", *(file.stem for file in PRESETS_FOLDER.glob("*.toml"))], 'a preset of the radio, or ""'),
+}
 
 
 def fly(
@@ -144,14 +137,14 @@ def _read(file: Path) -> dict[str, Any]:
 
 def _row(places: Places, fields: dict[str, Any]) -> dict[str, Any]:
     """The newest line of the entry on the suite."""
-    for line in reversed(chain.read(places.lines)):
-        if line["kind"] == verdict.KIND and (line["entry"]["name"], line["suite"]) == (
+    for row in reversed(chain.read(places.lines)):
+        if row["kind"] == verdict.KIND and (row["entry"]["name"], row["suite"]) == (
             fields["entry"],
             fields["suite"],
         ):
-            if line["failed"]:
+            if row["failed"]:
                 raise RecordError(f"entry {fields['entry']!r} was not flown to its end on {fields['suite']}")
-            return line
+            return row
     raise RecordError(f"entry = {fields['entry']!r} has no row on {fields['suite']}")
 
 

@@ -9,20 +9,19 @@ from __future__ import annotations
 import datetime
 import hashlib
 import os
-import re
 import stat
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rss_gym import baselines
 from rss_gym.baselines.policy_files import DOCUMENT, DOCUMENT_LIMIT, WEIGHTS
 from rss_gym.eval.board.names import check_name, folded, reserved
 from rss_gym.eval.policies import innermost
-from rss_gym.eval.reading.plain import Checks, RecordError, checked, read_file
+from rss_gym.eval.reading.plain import RecordError, checked, read_file
 from rss_gym.eval.suites import SUITES, Suite
 from rss_gym.params import ParamsError
+from rss_gym.schema import Kind, Schema, line, matching, version
 
 ENTRY, CARD, POLICY, FOLDER, ALL = "entry.toml", "card.md", "policy", "folder", "all"
 FORMAT = 1
@@ -35,26 +34,19 @@ FILES = {  # name -> bytes at most
 }
 
 
-def _is_line(limit: int) -> Any:
-    return lambda value: isinstance(value, str) and 1 <= len(value) <= limit and value.isprintable() and value.strip()
-
-
-def _matches(pattern: str) -> Any:
-    return lambda value: isinstance(value, str) and re.fullmatch(pattern, value) is not None
-
-
-FIELDS: Checks = {
-    "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, which this version reads"),
-    "name": (lambda value: isinstance(value, str), "text"),
-    "author": (_is_line(80), "1 to 80 printable characters"),
-    "date": (lambda value: type(value) is datetime.date, "a date such as 2026-11-27, without quotes"),
-    "licence": (_matches(r"[A-Za-z0-9.+-]{1,40}"), "an SPDX identifier such as MIT"),
-    "link": (
-        _matches(r"https://[A-Za-z0-9.-]+(?::\d{1,5})?(?:/[A-Za-z0-9._~/?#=&%+@-]*)?"),
+DATE = Kind(lambda value: type(value) is datetime.date, "a date such as 2026-11-27, without quotes")
+FIELDS: Schema = {
+    "format": version(FORMAT),
+    "name": Kind(lambda value: isinstance(value, str), "text"),
+    "author": line(80),
+    "date": DATE,
+    "licence": matching(r"[A-Za-z0-9.+-]{1,40}", "an SPDX identifier such as MIT"),
+    "link": matching(
+        r"https://[A-Za-z0-9.-]+(?::\d{1,5})?(?:/[A-Za-z0-9._~/?#=&%+@-]*)?",
         "a link to the code that begins with https://",
     ),
-    "suite": (lambda value: isinstance(value, str), "the name of a suite, or all"),
-    "policy": (_is_line(200), f"{FOLDER!r}, or a policy of the package such as orthogonal:radius_m=30"),
+    "suite": Kind(lambda value: isinstance(value, str), "the name of a suite, or all"),
+    "policy": line(200, words=f"{FOLDER!r}, or a policy of the package such as orthogonal:radius_m=30"),
 }
 
 

@@ -20,26 +20,25 @@ from typing import Any
 
 from rss_gym.core import SEED_LIMIT
 from rss_gym.eval.evaluate import is_name
-from rss_gym.eval.reading.plain import Checks, RecordError, checked, parse, read_file
+from rss_gym.eval.reading.plain import RecordError, checked, parse, read_file
 from rss_gym.eval.suites import Suite, find
 from rss_gym.files import write_bytes, write_text
 from rss_gym.params import ParamsError
+from rss_gym.schema import HEX, Kind, Schema, listed, matching, optional, version, whole
 
 FORMAT = 1
 BYTES_MAX = 2**20
 SECRET = ".secret"  # ending of the file beside the season's that holds the secret until it closes
 
-_HEX = (lambda value: isinstance(value, str) and re.fullmatch("[0-9a-f]{64}", value) is not None, "64 hex digits")
-_COUNT = (lambda value: type(value) is int and 1 <= value <= 10**6, "a whole number in [1, 1000000]")
-_FIELDS: Checks = {
-    "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, which this version reads"),
-    "name": (lambda value: isinstance(value, str) and re.fullmatch("[a-z0-9-]{1,40}", value) is not None, "1 to 40 of "
-             "a-z, 0-9 and '-'"),
-    "suites": (lambda value: isinstance(value, list) and 1 <= len(value) <= 100, "a list of 1 to 100 suites"),
-    "commitment": _HEX,
-    "secret": (lambda value: value is None or _HEX[0](value), "null, or 64 hex digits once the season is closed"),
-}  # fmt: skip
-_SUITE: Checks = {"name": (is_name, "a suite"), "hash": _HEX, "public": _COUNT, "sealed": _COUNT}
+_COUNT = whole(1, 10**6)
+_FIELDS: Schema = {
+    "format": version(FORMAT),
+    "name": matching("[a-z0-9-]{1,40}", "1 to 40 of a-z, 0-9 and '-'"),
+    "suites": listed(1, 100, "a list of 1 to 100 suites"),
+    "commitment": HEX,
+    "secret": optional(HEX, "null, or 64 hex digits once the season is closed"),
+}
+_SUITE: Schema = {"name": Kind(is_name, "a suite"), "hash": HEX, "public": _COUNT, "sealed": _COUNT}
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from rss_gym.eval.reading.plain import Checks, RecordError, checked, parse, read_file
+from rss_gym.eval.reading.plain import RecordError, checked, parse, read_file
 from rss_gym.eval.reading.record import Record
 from rss_gym.eval.report.flights import FLIGHTS, FORMAT, Flown
+from rss_gym.schema import Kind, Schema, listed, one_of, optional, real, table, truth, version, whole
 
 BYTES_MAX = 32 * 2**20
 FLIGHTS_MAX = 1000
@@ -15,59 +15,37 @@ DECISIONS_MAX, OTHERS_MAX = 100_000, 500
 DECIMETRES_MAX = 10**9
 
 
-def _is_number(value: Any) -> bool:
-    return type(value) is int and abs(value) <= DECIMETRES_MAX
+DECIMETRES = whole(-DECIMETRES_MAX, DECIMETRES_MAX)
 
 
-def _column(length: int, gaps: bool = True) -> tuple[Callable[[Any], bool], str]:
-    """A check of a list of so many whole numbers, with nulls between them where `gaps` allows it."""
-    return (
-        lambda value: (
-            isinstance(value, list)
-            and len(value) == length
-            and all(_is_number(item) or (gaps and item is None) for item in value)
-        ),
-        f"a list of {length} whole numbers{' or nulls' if gaps else ''}",
-    )
+def _column(length: int, gaps: bool = True) -> Kind:
+    """So many whole numbers, with nulls between them where `gaps` allows it."""
+    words = f"a list of {length} whole numbers{' or nulls' if gaps else ''}"
+    return listed(length, length, words, optional(DECIMETRES) if gaps else DECIMETRES)
 
 
 def _is_clock(value: Any) -> bool:
-    if not isinstance(value, list) or not 1 <= len(value) <= DECISIONS_MAX:
-        return False
-    return all(type(item) in (int, float) for item in value) and value == sorted(value) and value[0] >= 0
+    return listed(1, DECISIONS_MAX, "", real(0.0)).test(value) and bool(value == sorted(value))
 
 
-DOCUMENT: Checks = {
-    "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, which this version reads"),
-    "flights": (
-        lambda value: isinstance(value, list) and len(value) <= FLIGHTS_MAX,
-        f"a list of at most {FLIGHTS_MAX} flights",
-    ),
-    "failed": (
-        lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
-        "a list of sentences",
-    ),
+DOCUMENT: Schema = {
+    "format": version(FORMAT),
+    "flights": listed(0, FLIGHTS_MAX, f"a list of at most {FLIGHTS_MAX} flights"),
+    "failed": listed(0, FLIGHTS_MAX, "a list of sentences", Kind(lambda value: isinstance(value, str), "")),
 }
 
 
-def _flight(record: Record) -> Checks:
-    names = [policy.name for policy in record.policies]
-    numbers = range(record.first_episode, record.first_episode + record.episodes)
+def _flight(record: Record) -> Schema:
+    first = record.first_episode
     return {
-        "policy": (lambda value: value in names, f"one of the record's policies, {', '.join(names)[:200]}"),
-        "episode": (
-            lambda value: type(value) is int and value in numbers,
-            f"a whole number in [{numbers[0]}, {numbers[-1]}]",
-        ),
-        "same": (lambda value: isinstance(value, bool), "true or false"),
-        "own": (lambda value: isinstance(value, dict), "a table"),
-        "intruders": (
-            lambda value: isinstance(value, list) and 1 <= len(value) <= OTHERS_MAX,
-            f"a list of 1 to {OTHERS_MAX} tables",
-        ),
-        "least": (lambda value: isinstance(value, list), "a list of whole numbers"),
-        "times": (_is_clock, f"a list of 1 to {DECISIONS_MAX} times that do not fall"),
-        "collision": (lambda value: isinstance(value, bool), "true or false"),
+        "policy": one_of([policy.name for policy in record.policies]),
+        "episode": whole(first, first + record.episodes - 1),
+        "same": truth(),
+        "own": table("a table"),
+        "intruders": listed(1, OTHERS_MAX, f"a list of 1 to {OTHERS_MAX} tables"),
+        "least": listed(0, DECISIONS_MAX, "a list of whole numbers"),
+        "times": Kind(_is_clock, f"a list of 1 to {DECISIONS_MAX} times that do not fall"),
+        "collision": truth(),
     }
 
 

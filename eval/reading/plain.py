@@ -5,20 +5,16 @@ from __future__ import annotations
 import json
 import math
 import re
-import reprlib
 import stat
-from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from rss_gym.eval.evaluate import NAME_MAX
+from rss_gym import schema
 from rss_gym.eval.records import SCORES
-from rss_gym.params import ParamsError, suggestion
+from rss_gym.params import ParamsError
+from rss_gym.schema import Schema, shown
 
 DEPTH_MAX = 16
-
-# Field -> test, and what would be right
-Checks = Mapping[str, tuple[Callable[[Any], bool], str]]
 
 
 class RecordError(ParamsError):
@@ -95,33 +91,6 @@ def opened(file: Path, limit: int) -> BinaryIO:
         raise RecordError(f"{file} cannot be read: {error}") from error
 
 
-_SHORT = reprlib.Repr()
-_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 80
-_SHORT.maxlevel = 2
-
-
-def shown(value: Any) -> str:
-    """A value from a file, short and printable."""
-    return _SHORT.repr(value)
-
-
-def checked(file: str, where: str, value: Any, checks: Checks) -> dict[str, Any]:
-    """The table itself, found to have the fields of `checks` and no others."""
-    if not isinstance(value, dict):
-        raise RecordError(f"{file}: {where or 'the whole'} = {shown(value)} must be a table with {', '.join(checks)}")
-    refuse_unknown(file, where, value, checks)
-    for name, (test, right) in checks.items():
-        path = f"{where}.{name}" if where else name
-        if name not in value:
-            raise RecordError(f"{file}: {path} is missing; it must be {right}")
-        if not test(value[name]):
-            raise RecordError(f"{file}: {path} = {shown(value[name])} must be {right}")
-    return value
-
-
-def refuse_unknown(file: str, where: str, value: dict[str, Any], known: Iterable[str]) -> None:
-    """Refuse a field that is not among those known."""
-    for name in value:
-        if name not in known:
-            path = f"{where}.{name}" if where else name
-            raise RecordError(f"{file}: field {shown(path)} is unknown{suggestion(name[:NAME_MAX], known)}")
+def checked(file: str, where: str, value: Any, fields: Schema) -> dict[str, Any]:
+    """As `rss_gym.schema.checked`, which raises RecordError here."""
+    return schema.checked(file, where, value, fields, RecordError)
