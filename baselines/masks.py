@@ -23,12 +23,14 @@ RANGE = (
     "consecutive_warnings",
 )
 
+APPROACH = ("flown_", "planned_")  # the closest approaches that the track predicts
 OTHERS = ("intruder_", "vehicle_")  # what the names of their fields begin with
 
 # What is taken away -> whether it holds this field.
 MASKS: dict[str, Callable[[str], bool]] = {
     "nothing": lambda name: False,
     "range": lambda name: name.startswith(OTHERS) and name.partition(".")[2] in RANGE,
+    "approach": lambda name: name.startswith(OTHERS) and name.partition(".")[2].startswith(APPROACH),
     "radio": lambda name: name.startswith(OTHERS),
 }
 
@@ -39,7 +41,8 @@ def kept(zeroed: str, params: Params, stack: int = 1) -> np.ndarray:
     Parameters
     ----------
     zeroed : str
-        One of `MASKS`: `range` is what the filter of the link holds, `radio` all that is known of the others.
+        One of `MASKS`: `range` is what the filter of the link holds, `approach` the closest approaches that the track
+        predicts, `radio` all that is known of the others.
     params : Params
     stack : int
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,7 +53,7 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
 
     Parameters
     ----------
-    policy : str or object
+    policy : str, path or object
         A name of `rss_gym.baselines.POLICIES` with options or of `AGENTS`, the folder of a learned policy,
         `module:attribute` or `file.py:attribute` (see `rss_gym.eval.imported`), or an object with `predict`.
     params : Params
@@ -64,6 +65,8 @@ def entry(policy: Any, params: Params, name: str | None = None) -> Entry:
         For an unknown name, a module or attribute that cannot be imported, a folder without an intact policy, an object
         without `predict`, or a policy that needs another level of information.
     """
+    if isinstance(policy, os.PathLike):
+        policy = os.path.join(os.curdir, policy)  # a path is never the name of a policy
     spec = policy if isinstance(policy, str) else f"{type(policy).__module__}.{type(policy).__qualname__}"
     if isinstance(policy, str):
         if name is None and baselines.is_folder(policy):

@@ -16,8 +16,13 @@ from torch import nn
 import rss_gym  # noqa: F401  registers the ids
 from rss_gym.eval import evaluate, text
 
-# Prices of the training: being near costs something too, as collisions alone are too rare to learn from.
-WORLD: dict[str, Any] = {"collision_price_m": 1000.0, "proximity_price_m": 2000.0, "comfort_m": 30.0}
+# Prices of the training: only being near costs something, as collisions are too rare to learn from.
+WORLD: dict[str, Any] = {
+    "collision_price_m": 0.0,
+    "snmac_price_m": 0.0,
+    "proximity_price_m": 4000.0,
+    "comfort_m": 25.0,
+}
 ROWS, LENGTH = 256, 32  # of a rollout
 EPOCHS, MINIBATCH = 8, 2048
 RATE, DISCOUNT, LAMBDA, CLIP = 3e-3, 0.95, 0.95, 0.2

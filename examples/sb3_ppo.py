@@ -11,7 +11,7 @@ from rss_gym.sb3 import make_vec_env
 
 steps, episodes = map(int, sys.argv[1:] or (3_000_000, 10_000))
 torch.set_num_threads(1)
-prices = {"collision_price_m": 1000.0, "proximity_price_m": 2000.0, "comfort_m": 30.0}
+prices = {"collision_price_m": 0.0, "snmac_price_m": 0.0, "proximity_price_m": 4000.0, "comfort_m": 25.0}
 env = VecNormalize(make_vec_env("rss_gym/Encounter-v0", n_envs=256, seed=0, **prices), norm_obs=False, gamma=0.95)
 options = {"n_steps": 32, "batch_size": 2048, "n_epochs": 8, "gamma": 0.95, "ent_coef": 0.003}
 model = PPO("MlpPolicy", env, learning_rate=lambda left: 3e-3 * left, seed=0, device="cpu", **options).learn(steps)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import torch
@@ -138,6 +138,8 @@ class TrainingCallback(BaseCallback):
         self.validator = Validator(recipe.params, recipe.validation.episodes)
         self.validations = Table(folder / VALIDATION, "steps", self.first)
         self.times, self.best_tracker = Times(), BestTracker()
+        rows = self.validations.rows
+        self._cpu_s = -float(rows[-1]["cpu_s"]) if rows else 0.0  # process time not spent on this training
         self._learning_since: float | None = None
         self._stage = recipe.stage(self.first)
         # Called with the steps so far when they pass a multiple of so many.
@@ -151,6 +153,10 @@ class TrainingCallback(BaseCallback):
     def _on_training_start(self) -> None:
         if self.first == 0:
             keep_start(self.folder, self.validator.score(self.learner.agent(), "start"))
+        if (self.folder / BEST).exists():
+            agent = load(self.folder / BEST, self.learner.recipe.params)
+            self.best_tracker.best = self.validator.score(agent, "best")
+        self._cpu_s += process_time()
         if self.imitates:
             self._say(imitate(self.learner, self._show_imitation))
             self.learner.restart()
@@ -160,9 +166,6 @@ class TrainingCallback(BaseCallback):
         for name in ("forward", "predict", "predict_values"):  # what acts: SAC's, or the others'
             if hasattr(policy, name):
                 setattr(policy, name, self._timed(getattr(policy, name)))
-        if (self.folder / BEST).exists():
-            agent = load(self.folder / BEST, self.learner.recipe.params)
-            self.best_tracker.best = self.validator.score(agent, "best")
         if self.imitates:
             self._validate(competes=self.learner.recipe.imitation.competes)
 
@@ -229,15 +232,17 @@ class TrainingCallback(BaseCallback):
 
     def _validate(self, competes: bool = True) -> None:
         start, steps, policy_s = perf_counter(), self.model.num_timesteps, self.times.policy_s
+        cpu_s = process_time()
         score = self.validator.score(self.learner.agent(), "agent")
         better = competes and self.best_tracker.takes(score)
-        row = {"steps": steps, **score.to_dict(), "best": int(better)}
+        row = {"steps": steps, "cpu_s": round(cpu_s - self._cpu_s, 1), **score.to_dict(), "best": int(better)}
         if better:
             self._keep(row)
         self.validations.add(row)
         for name in ("cost_m", "collision_rate", "path_deviation_mean_m"):
             self.logger.record(f"validation/{name}", row[name])
         self._say(f"{score}{', the best so far' if better else ''}")
+        self._cpu_s += process_time() - cpu_s
         self.times.validation_s += perf_counter() - start
         self.times.policy_s = policy_s  # its share is that of the training
 

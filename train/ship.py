@@ -25,7 +25,7 @@ from rss_gym.eval.text import cell
 from rss_gym.files import replaced_folder, write_text
 from rss_gym.highway.params import RoadParams
 from rss_gym.highway.scene import SCENES
-from rss_gym.pages import figure, page
+from rss_gym.pages import figure
 from rss_gym.params import CHANNELS, Params, ParamsError, load_channel
 from rss_gym.train import recipe as recipes
 from rss_gym.train import run as runs
@@ -231,9 +231,7 @@ def chart(seeds: list[Seed], shipped: Seed) -> str:
         rate.set(yscale="log", ylabel="collisions per encounter", xlabel="decisions, millions")
         deviation.set(ylabel="mean deviation, m", xlabel="decisions, millions")
         rate.figure.legend(*rate.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    svg = re.sub(r"</?figure[^>]*>", "", drawing.markup)
-    style = (page.FOLDER / "style.css").read_text(encoding="utf-8").partition(".nominal")[0]
-    return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
+    return figure.standalone(drawing.markup)
 
 
 def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER, encounters: int = 0) -> Path:

@@ -22,7 +22,8 @@ from rss_gym.params import Params, ParamsError
 from rss_gym.plain_files import read_json
 
 START = "start.json"  # in the folder of a seed
-RULES = ("orthogonal", "modified-orthogonal", "rule")  # what an agent is compared with: the paper's, where it flies
+RULES = ("orthogonal", "modified-orthogonal", "rule")  # the paper's: the first that flies in a world
+SCRIPTED = (*RULES, "orca", "mvp", "cbf", "mpc")  # what an agent is compared with, where they fly
 SPLIT, SEED = "validation", 0
 METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
 
@@ -123,7 +124,7 @@ def keep_start(folder: Path, score: ValidationScore) -> None:
 
 
 def closing_sentence(folder: Path, score: ValidationScore, validator: Validator) -> str:
-    """Whether the best policy of a seed's folder, with this score, beats its own start and the paper's rule."""
+    """Whether the best policy of a seed's folder beats its own start, the paper's rule and the best scripted policy."""
     cost_m = score.candidate.costs.mean_m
     try:
         start = read_json(folder / START, 1000)
@@ -133,17 +134,25 @@ def closing_sentence(folder: Path, score: ValidationScore, validator: Validator)
         first = f"{verb} the {start['cost_m']:.2f} m of its start"
     except (OSError, ParamsError, KeyError, TypeError):
         first = "its start is not known"
-    name = next(rule for rule in RULES if rule in able(validator.params))
-    rule = validator.score(make(name, validator.params), name)
-    places = rank([replace(score.candidate, name="the agent"), rule.candidate])
+    able_here = able(validator.params)
+    rivals = {name: validator.score(make(name, validator.params), name) for name in SCRIPTED if name in able_here}
+    rule = next(name for name in RULES if name in able_here)
+    best = ranked(rivals)[0].name
+    against = [("the rule", rule)] + ([("the best scripted policy", best)] if best != rule else [])
+    rest = " and ".join(f"{_verdict(score, rivals[name])} {what} {name}" for what, name in against)
+    return f"the agent costs {cost_m:.2f} m an encounter: {first}, and it {rest}"
+
+
+def _verdict(score: ValidationScore, rival: ValidationScore) -> str:
+    """Whether a policy costs less than a rival on the same encounters, whose cost follows."""
+    places = rank([replace(score.candidate, name="the agent"), rival.candidate])
     if places[0].name != "the agent":
-        second = "and does NOT beat"
+        verb = "does NOT beat"
     else:
         gap = places[1].difference
         clear = gap is not None and gap.low is not None and gap.low > 0.0
-        second = "and beats" if clear else "and does not clearly beat"
-    rule_m = rule.candidate.costs.mean_m
-    return f"the agent costs {cost_m:.2f} m an encounter: {first}, {second} the rule {name} at {rule_m:.2f} m"
+        verb = "beats" if clear else "does not clearly beat"
+    return f"{verb} the {rival.candidate.costs.mean_m:.2f} m of"
 
 
 class BestTracker:

@@ -1,6 +1,7 @@
 """Studies: what the documents claim and show, flown and printed by `rss-gym study NAME`.
 
-A new study is one module with the two functions of the protocol `study.Study`, and one line in `STUDIES`.
+A new study is one module with the two functions of the protocol `study.Study`, and one line in `STUDIES`. That of the
+learners stands with them, in a layer above this one.
 """
 
 from __future__ import annotations
@@ -17,14 +18,15 @@ from rss_gym.params import ParamsError, suggestion
 if TYPE_CHECKING:
     from rss_gym.eval.studies.study import Study
 
-# Name -> module in this package, and what it answers.
+# Name -> module, from this package on or in full, and what it answers.
 STUDIES: dict[str, tuple[str, str]] = {
-    "world": ("world", "whether the radio decides, nothing wins blind, RL learns: docs/world.md"),
-    "opponents": ("opponents", "every policy on the same encounters: docs/opponents.md and the README's scores"),
-    "roads": ("roads", "the drivers on the highway: docs/roads.md"),
-    "paper": ("paper", "the numbers of the paper beside what comes out: docs/paper.md"),
-    "calibration": ("calibration.study", "the estimators on recorded radio logs: docs/calibration.md"),
-    "readme": ("readme", "the README's picture and example, and the list of docs/agents.md"),
+    "world": (".world", "whether the radio decides, nothing wins blind, RL learns: docs/world.md"),
+    "opponents": (".opponents", "every policy on the same encounters: docs/opponents.md and the README's scores"),
+    "learning": ("rss_gym.train.study", "what the recipes learn from scratch, and ablations: docs/learning.md"),
+    "roads": (".roads", "the drivers on the highway: docs/roads.md"),
+    "paper": (".paper", "the numbers of the paper beside what comes out: docs/paper.md"),
+    "calibration": (".calibration.study", "the estimators on recorded radio logs: docs/calibration.md"),
+    "readme": (".readme", "the README's picture and example, and the list of docs/agents.md"),
 }
 
 
@@ -38,7 +40,7 @@ def load(name: str) -> Study:
     """
     if name not in STUDIES:
         raise ParamsError(f"study {name!r} is unknown{suggestion(name, STUDIES)}")
-    study: Study = importlib.import_module(f"{__name__}.{STUDIES[name][0]}")
+    study: Study = importlib.import_module(STUDIES[name][0], __name__)
     return study
 
 

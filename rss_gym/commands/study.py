@@ -10,7 +10,7 @@ HELP = "fly what the documents claim and show, and write their pages"
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("name", metavar="NAME", help="world, opponents, roads, paper, calibration or readme")
+    parser.add_argument("name", metavar="NAME", help="world, opponents, learning, roads, paper, calibration or readme")
     parser.add_argument("arguments", nargs=argparse.REMAINDER, metavar="...", help="see rss-gym study NAME --help")
 
 

@@ -10,6 +10,7 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup, escape
@@ -113,3 +114,10 @@ def _in_page(svg: str, label: str) -> str:
     svg = re.sub(r'(\bid="|url\(#|xlink:href="#)', lambda match: match.group(0) + prefix, svg)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL).replace(">*{", ">.plot *{")
     return svg.replace("<svg", f'<svg role="img" aria-label="{escape(label)}"', 1)
+
+
+def standalone(markup: str) -> str:
+    """A figure's markup as an SVG file of its own, with the page's colours."""
+    style = (Path(__file__).parent / "style.css").read_text(encoding="utf-8").partition(".nominal")[0]
+    svg = re.sub(r"</?figure[^>]*>", "", markup)
+    return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)

@@ -1,6 +1,7 @@
 """What the evaluator takes for one policy: a specification, or the numbers of a learned one wherever they lie."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from rss_gym import baselines
 from rss_gym.baselines.policy_files import FORMAT, Network
 from rss_gym.eval.policies import entry
 from rss_gym.observation import fields
-from rss_gym.params import Params
+from rss_gym.params import Params, ParamsError
 
 
 def write(folder, value):
@@ -39,6 +40,15 @@ def test_hash_of_a_learned_policy_is_that_of_its_files(around, tmp_path, monkeyp
     one, two, three = (entry(f"{around}{name}", Params()).hash for name in ("a", "b", "c"))
     assert one == two != three
     assert baselines.is_folder(here) and there != other
+
+
+def test_a_path_is_a_folder_even_if_a_policy_has_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    place = write(tmp_path / "orca", 0.0)
+    assert entry(Path("orca"), Params()).hash == entry(Path(place), Params()).hash != entry("orca", Params()).hash
+    assert entry(Path("orca"), Params()).name == "orca"
+    with pytest.raises(ParamsError, match="nowhere"):
+        entry(Path("nowhere"), Params())
 
 
 def test_the_filter_goes_round_a_folder_by_any_path_and_numbers_keep_their_plus(tmp_path, monkeypatch):

@@ -61,8 +61,10 @@ def test_no_rate_is_shown_before_every_row_can_have_ended(trained):
     assert [values for values in bar.texts if isinstance(values, dict)] == []
 
 
-def test_it_says_at_its_end_whether_it_beat_its_start_and_the_rule(trained):
+def test_it_says_at_its_end_whether_it_beat_its_start_the_rule_and_the_best_scripted_policy(trained):
     _, out = trained
     (line,) = [line for line in out.splitlines() if line.startswith("the agent costs ")]
     assert re.search(r"(NOT below|not clearly below|below) the [\d.]+ m of its start", line)
-    assert re.search(r"and (beats|does not clearly beat|does NOT beat) the rule orthogonal at [\d.]+ m$", line)
+    verdict = r"(beats|does not clearly beat|does NOT beat) the [\d.]+ m of"
+    assert re.search(rf"and it {verdict} the rule orthogonal( and |$)", line)
+    assert re.search(rf"and (it )?{verdict} the (rule orthogonal|best scripted policy (orca|mvp|cbf|mpc))$", line)

@@ -98,8 +98,8 @@ def test_stages():
         },
     )
     assert [recipe.stage(steps) for steps in (0, 199, 200, 499, 500, 1000)] == [0, 0, 1, 1, 2, 2]
-    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [30.0, 20.0, 30.0]
-    assert [recipe.params_of(stage).reward.collision_price_m for stage in range(3)] == [1000.0, 1000.0, 500.0]
+    assert [recipe.params_of(stage).reward.comfort_m for stage in range(3)] == [25.0, 20.0, 25.0]
+    assert [recipe.params_of(stage).reward.collision_price_m for stage in range(3)] == [0.0, 0.0, 500.0]
 
 
 @pytest.mark.parametrize(
@@ -121,7 +121,7 @@ def test_stages():
         ({"policy.activation": "tan"}, ["activation", "did you mean 'tanh'"]),
         ({"policy.lstm_hidden_size": 8}, ["[policy]", "'lstm_hidden_size'"]),
         ({"policy.zeroed": "rang"}, ["[policy]", "'rang'", "did you mean 'range'"]),
-        ({"policy.zeroed": ["range"]}, ["[policy]", "zeroed", "known: nothing, radio, range"]),
+        ({"policy.zeroed": ["range"]}, ["[policy]", "zeroed", "known: approach, nothing, radio, range"]),
         ({"imitation.policy": 3}, ["[imitation]", "policy", "3"]),
         ({"imitation.policy": "orka"}, ["[imitation]", "'orka'", "did you mean 'orca'"]),
         ({"imitation.policy": "mpc:radius=3"}, ["[imitation]", "'radius'", "did you mean 'radius_m'"]),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from rss_gym.eval.ranking import Candidate, Place
 from rss_gym.eval.reading import load
 from rss_gym.eval.studies.study import ScoreRow, read
 from rss_gym.eval.text import difference, number
-from rss_gym.pages import figure, page
+from rss_gym.pages import figure
 from rss_gym.pages.table import Cell, Column, Table
 
 TICKS_M = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -113,14 +112,7 @@ def chart(
         for axes in grid:
             handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         grid[0].figure.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
-    return picture(drawing)
-
-
-def picture(drawing: figure.Drawing) -> str:
-    """A figure of a page as an SVG of its own, with the page's colours."""
-    svg = re.sub(r"</?figure[^>]*>", "", drawing.markup)
-    style = page.style().partition(".nominal")[0]
-    return re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}<style>{style}</style>", svg, count=1)
+    return figure.standalone(drawing.markup)
 
 
 def _draw(axes: Any, rows: list[ScoreRow], colour: str, marker: str, label: str, **line: Any) -> None:
