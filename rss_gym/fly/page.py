@@ -8,6 +8,8 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 import rss_gym
 from rss_gym.baselines.agent import load
 from rss_gym.baselines.shipped import AGENTS
@@ -15,9 +17,11 @@ from rss_gym.eval.suites import Suite, find
 from rss_gym.fly.encounters import SEARCHED, Encounter, choose
 from rss_gym.fly.world import program
 from rss_gym.pages import page
+from rss_gym.pages.markup import renderer
 from rss_gym.params import Params, ParamsError, suggestion
 
 FOLDER = Path(__file__).parent
+template = renderer(__file__)
 SCRIPTS = ("draw.js", "fly.js")
 COUNT = 40  # encounters of a page
 
@@ -59,7 +63,7 @@ def render(suite: Suite, agent: str, encounters: list[Encounter], world: str) ->
     if "</script" in script:
         raise ValueError("a script must not hold the end of its element")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    style = (page.FOLDER / "style.css").read_text(encoding="utf-8") + (FOLDER / "fly.css").read_text(encoding="utf-8")
+    style = page.style() + (FOLDER / "fly.css").read_text(encoding="utf-8")
     params: Any = suite.params
     data = {
         "agent": agent,
@@ -70,11 +74,9 @@ def render(suite: Suite, agent: str, encounters: list[Encounter], world: str) ->
         "snmac_m": params.zone.snmac_horizontal_m,
         "zone_m": params.zone.radius_m,
     }
-    markup = _environment().from_string((FOLDER / "fly.html").read_text(encoding="utf-8"))
-    from markupsafe import Markup
-
     return str(
-        markup.render(
+        template(
+            "fly.html",
             agent=agent,
             suite=suite.name,
             digest=suite.hash[:12],
@@ -95,11 +97,3 @@ def render(suite: Suite, agent: str, encounters: list[Encounter], world: str) ->
             script=Markup(script),
         )
     )
-
-
-def _environment() -> Any:
-    try:
-        import jinja2
-    except ImportError as error:
-        raise ParamsError("the page needs Jinja2: pip install -e '.[board]'") from error
-    return jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, keep_trailing_newline=True)
