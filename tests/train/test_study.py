@@ -73,7 +73,7 @@ def test_the_radios_are_flown_one_by_one_beside_the_cheapest_scripted_policy_of_
 def test_the_chart_has_a_line_for_every_recipe_and_the_page_names_its_command():
     svg = curves.chart(Told({}))
     assert svg.startswith("<svg") and all(f">{name}</text>" in svg for name in curves.BARS)
-    assert "rss-gym study learning" in page([ablations.section(Told({}))])
+    assert "`rss-gym study learning --sections ablations" in page({"ablations": ablations.section(Told({}))})
 
 
 @pytest.mark.slow

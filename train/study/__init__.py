@@ -6,7 +6,7 @@ Each training is a run of its own in the folder of runs, so that an interrupted 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 
 from rss_gym.arguments import count
 from rss_gym.eval.studies.section import Section
@@ -31,23 +31,23 @@ def run(options: argparse.Namespace) -> Iterator[Part]:
     """A part a section."""
     require_figures()
     trainer = Trainer(options.runs, options.workers, options.seeds, options.episodes, options.shrink)
-    found: list[Section] = []
+    found: dict[str, Section] = {}
     for name in options.sections:
-        found.append(SECTIONS[name](trainer))
-        yield Part(found[-1].text, PAGE, page(found))
+        found[name] = SECTIONS[name](trainer)
+        yield Part(found[name].text, PAGE, page(found))
         if name == "curves":
             yield Part(f"chart: {CHART}", CHART, curves.chart(trainer))
 
 
-def page(found: Sequence[Section]) -> str:
-    """The sections as a page of Markdown."""
+def page(found: Mapping[str, Section]) -> str:
+    """The sections by their names as a page of Markdown."""
     head = [
         "# Study: learning",
         "",
-        "Made by `rss-gym study learning --pages .`, which trains and flies all of it anew. CPU seconds are those of a "
-        "training's process, with imitation and without validations.",
+        f"Made by `rss-gym study learning --sections {' '.join(found)} --pages .`, which trains and flies all of it anew. "
+        "CPU seconds are those of a training's process, with imitation and without validations.",
         "",
         "![Cost over the CPU seconds of each training](learning.svg)",
         "",
     ]
-    return "\n".join([*head, *(section.markdown for section in found)])
+    return "\n".join([*head, *(section.markdown for section in found.values())])
