@@ -44,7 +44,7 @@ def page(found: Mapping[str, Section]) -> str:
     head = [
         "# Study: learning",
         "",
-        f"Made by `rss-gym study learning --sections {' '.join(found)} --pages .`, which trains and flies all of it anew. "
+        f"Made by `rss-gym study learning --sections {' '.join(found)} --pages .`, which trains and flies it all anew. "
         "CPU seconds are those of a training's process, with imitation and without validations.",
         "",
         "![Cost over the CPU seconds of each training](learning.svg)",
