@@ -90,7 +90,10 @@ def test_a_mistyped_command_is_told_the_nearest(capsys, name):
     for wrong in {*slips(name)} - {*COMMANDS}:
         for arguments in ([wrong], ["help", wrong]):
             status, out, err = run(capsys, *arguments)
-            assert status == 2 and not out and one_sentence(err) and f"did you mean '{name}'" in err, wrong
+            assert status == 2 and not out and one_sentence(err), wrong
+            # A letter left out may leave two commands as near: "eport" is "export" or "report".
+            near = {name, *(other for other in COMMANDS if other[1:] == wrong)}
+            assert any(f"did you mean '{one}'" in err for one in near), wrong
 
 
 def test_a_mistyped_option_is_told_the_nearest(capsys):

@@ -38,5 +38,5 @@ def test_it_is_short_and_names_no_equation():
 def test_its_table_has_the_columns_of_the_study():
     rows = re.search(r"<!-- scores -->\n(.*?)\n\n", README, re.DOTALL)[1].splitlines()
     titles = [cell.strip() for cell in rows[0].split("|")[1:-1]]
-    assert titles == ["policy", *(title for title, *_ in SHORT.values())]
+    assert titles == ["policy", *(column.heading for column in SHORT.values())]
     assert {row.split("`")[1] for row in rows[2:]} >= {*FLOWN}

@@ -109,7 +109,10 @@ def test_masks_take_away_what_they_say():
     assert {"intruder_0.range_m", "intruder_1.margin_m", "intruder_1.coloured_tc_s"} <= gone
     assert not {"intruder_0.warning", "intruder_0.track_position_along_m", "intruder_0.message_age_s"} & gone
     assert set(names[kept("radio", params) == 0.0]) == {name for name in names if name.startswith("intruder_")}
-    assert set(MASKS) == {"nothing", "range", "radio"}
+    approach = set(names[kept("approach", params) == 0.0])
+    assert {"intruder_0.flown_time_s", "intruder_1.planned_distance_m", "intruder_1.flown_miss_along_m"} <= approach
+    assert not {name for name in approach if "track" in name or "message" in name}
+    assert set(MASKS) == {"nothing", "range", "approach", "radio"}
 
 
 def test_the_folder_of_a_run_names_its_agent(tmp_path):

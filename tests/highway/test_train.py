@@ -73,7 +73,7 @@ def test_run_holds_what_was_done(run):
     assert document["recipe"]["algorithm"]["n_steps"] == 8 and document["seeds"] == [0, 2**20]
     assert "highway-env" in document["versions"] and document["world"]["road"]["scene"] == "highway"
     for seed in ("seed-0", "seed-1"):
-        assert (run / seed / "validation.csv").read_text().startswith("steps,episodes,faults,cost_m")
+        assert (run / seed / "validation.csv").read_text().startswith("steps,cpu_s,episodes,faults,cost_m")
         assert (run / seed / "progress.csv").stat().st_size > 0
     record = json.loads((run / "agent" / "policy.json").read_text())["training"]
     assert record["difference"] == 0.0 and record["seed"] in (0, 2**20)
