@@ -1,6 +1,7 @@
 """The command line itself: what it says of itself, what it refuses, and what machines do to it."""
 
 import argparse
+import difflib
 import errno
 import os
 import signal
@@ -85,14 +86,19 @@ def slips(name):
         yield name[: at - 1] + name[at] + name[at - 1] + name[at + 1 :]
 
 
+def likeness(one, other):
+    """Share of the letters that two words have in common, in order."""
+    return difflib.SequenceMatcher(None, other, one).ratio()
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_mistyped_command_is_told_the_nearest(capsys, name):
     for wrong in {*slips(name)} - {*COMMANDS}:
         for arguments in ([wrong], ["help", wrong]):
             status, out, err = run(capsys, *arguments)
             assert status == 2 and not out and one_sentence(err), wrong
-            # A letter left out may leave two commands as near: "eport" is "export" or "report".
-            near = {name, *(other for other in COMMANDS if other[1:] == wrong)}
+            # Two commands may be as near: "eport" is "export" or "report".
+            near = [one for one in COMMANDS if likeness(one, wrong) >= likeness(name, wrong)]
             assert any(f"did you mean '{one}'" in err for one in near), wrong
 
 
