@@ -17,12 +17,12 @@ from rss_gym.eval.report import charts, facts, families, replay, sensor, tables
 from rss_gym.eval.report.flights import FLIGHTS, Flown
 from rss_gym.files import write_text
 from rss_gym.pages import page
-from rss_gym.pages.page import SORTING, Section
+from rss_gym.pages.page import CANVAS, SORTING, Section
 
 __all__ = ["REPORT", "markup", "write"]
 
 REPORT = "report.html"
-SCRIPTS = (SORTING, Path(__file__).with_name("replay.js"))
+SCRIPTS = (SORTING, CANVAS, Path(__file__).with_name("replay.js"))
 
 
 def markup(

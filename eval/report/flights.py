@@ -53,7 +53,11 @@ class ReplayFlight:
     def __call__(self, batch: BaseBatch) -> None:
         """Take the present moment of row 0."""
         episode = batch.episode[0]
-        own, others = _road(batch) if isinstance(batch, RoadBatch) else _air(batch)  # type: ignore[arg-type]
+        if isinstance(batch, RoadBatch):
+            own, others = _road(batch)
+        else:
+            assert isinstance(batch, Batch)
+            own, others = _air(batch)
         for name, values in own.items():
             self.own[name] += scaled(values)
         for k, (position_m, other, is_heard) in enumerate(others):

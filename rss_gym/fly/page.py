@@ -22,7 +22,7 @@ from rss_gym.params import Params, ParamsError, suggestion
 
 FOLDER = Path(__file__).parent
 template = renderer(__file__)
-SCRIPTS = ("draw.js", "fly.js")
+SCRIPTS = (page.CANVAS, FOLDER / "draw.js", FOLDER / "fly.js")
 COUNT = 40  # encounters of a page
 
 
@@ -59,7 +59,7 @@ def build(suite: str = "encounter-v0", agent: str = "pathwise-plane", count: int
 
 def render(suite: Suite, agent: str, encounters: list[Encounter], world: str) -> str:
     """The page of these encounters, on the translated world."""
-    script = world + "".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    script = world + "".join(path.read_text(encoding="utf-8") for path in SCRIPTS)
     if "</script" in script:
         raise ValueError("a script must not hold the end of its element")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

@@ -81,9 +81,10 @@ def element_of_tuple(value: Value, index: Value) -> Value:
 
 def offset(array: Value, indices: list[Value]) -> str:
     """Code of where an element, or the view that the first indices choose, begins."""
+    assert isinstance(array.kind, Array)
     terms = []
     for axis, index in enumerate(indices):
-        at, rest = place(index), range(axis + 1, len(array.kind.shape))  # type: ignore[attr-defined]
+        at, rest = place(index), range(axis + 1, len(array.kind.shape))
         strides = [length(array, after) for after in rest]
         stride = math.prod(int(step.constant) for step in strides if step.constant is not None)
         open_ = [step.code for step in strides if step.constant is None]

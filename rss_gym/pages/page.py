@@ -20,7 +20,7 @@ from markupsafe import Markup
 from rss_gym.pages.markup import renderer
 
 FOLDER = Path(__file__).parent
-SORTING = FOLDER / "tables.js"
+SORTING, CANVAS = FOLDER / "tables.js", FOLDER / "canvas.js"
 _render = renderer(__file__)
 # In a script element these could end it, open a comment, or (the last two) break a line of an old parser's string.
 _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&\u2028\u2029"}

@@ -41,13 +41,12 @@ def run(options: argparse.Namespace) -> Iterator[Part]:
 
 def page(found: Mapping[str, Section]) -> str:
     """The sections by their names as a page of Markdown."""
+    chart = ["![Cost over the CPU seconds of each training](learning.svg)", ""] if "curves" in found else []
     head = [
         "# Study: learning",
         "",
         f"Made by `rss-gym study learning --sections {' '.join(found)} --pages .`, which trains and flies it all anew. "
         "CPU seconds are those of a training's process, with imitation and without validations.",
         "",
-        "![Cost over the CPU seconds of each training](learning.svg)",
-        "",
     ]
-    return "\n".join([*head, *(section.markdown for section in found.values())])
+    return "\n".join([*head, *chart, *(section.markdown for section in found.values())])

@@ -26,15 +26,14 @@ ABLATIONS: dict[str, dict[str, Any]] = {
 def section(trainer: Trainer) -> Section:
     """A row a seed, and its difference from the mean of the seeds with everything."""
     rows: list[list[str]] = []
-    whole_m = 0.0
+    means_m: list[float] = []  # the first is that of the seeds with everything
     for what, changes in ABLATIONS.items():
         seeds = trainer.train(RECIPE, {"recipe.steps": STEPS, **changes}, SEEDS)
         world = {key.removeprefix("world."): found for key, found in changes.items() if key.startswith("world.")}
         scores = trainer.score({f"seed {seed.number}": seed.folder for seed in seeds}, SUITE, **world)
-        mean_m = sum(value(found, "cost_m") for found in scores.values()) / len(scores)
-        whole_m = whole_m or mean_m
+        means_m.append(sum(value(found, "cost_m") for found in scores.values()) / len(scores))
         rows += [[what, f"{seed.number}", *cells(found)] for seed, found in zip(seeds, scores.values(), strict=True)]
-        rows.append([what, "mean", f"{mean_m:.2f} ({mean_m - whole_m:+.2f})", "", "", ""])
+        rows.append([what, "mean", f"{means_m[-1]:.2f} ({means_m[-1] - means_m[0]:+.2f})", "", "", ""])
     return Section(
         "Ablations",
         f"`{RECIPE}` trained for {STEPS:,} decisions and flown without one part, {SEEDS} seeds each; "

@@ -72,12 +72,8 @@ def _rows(seeds: list[Trained], scores: dict[str, Scores]) -> Iterator[list[str]
 def cells(scores: Scores) -> list[str]:
     """Cost, collision rate and deviation with their intervals, and the rate of unnecessary manoeuvres."""
     metrics = (("cost_m", ".2f"), ("collision_rate", ".1e"), ("path_deviation_mean_m", ".2f"))
-    return [*(interval(scores[name], form) for name, form in metrics), f"{needless(scores):.2f}"]
-
-
-def needless(scores: Scores) -> float:
-    """Share of the encounters without need in which the policy leaves its path."""
-    return value(scores, "unnecessary_manoeuvre_rate")
+    unnecessary = value(scores, "unnecessary_manoeuvre_rate")
+    return [*(interval(scores[name], form) for name, form in metrics), f"{unnecessary:.2f}"]
 
 
 def chart(trainer: Trainer) -> str:

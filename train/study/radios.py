@@ -22,10 +22,7 @@ def section(trainer: Trainer) -> Section:
         flown = trainer.score({agent: seeds[agent]} | {name: name for name in SCRIPTED}, SUITE, channel=radio)
         learned, best = flown.pop(agent), cheapest(flown)
         rows += [_row(radio, agent, learned), _row(radio, best, flown[best])]
-        risk, (mine_m, theirs_m) = (
-            value(learned, "risk_ratio"),
-            (value(one, "cost_m") for one in (learned, flown[best])),
-        )
+        risk, mine_m, theirs_m = value(learned, "risk_ratio"), value(learned, "cost_m"), value(flown[best], "cost_m")
         criteria += [
             Criterion(f"`{radio}`: risk ratio at most {limit}", f"{risk:.2e}", risk <= limit),
             Criterion(
