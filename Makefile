@@ -59,7 +59,7 @@ board: .venv/.done ## fly a sealed season of all policies and write its pages, r
 	$(BIN)/rss-gym board site runs/board/lines --season runs/board/season.json --out runs/board/site --overwrite
 
 clean: ## remove build products and caches; .venv stays
-	rm -rf build dist docs/generated docs/api/generated *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
+	rm -rf build dist docs/gallery docs/generated docs/api/generated *.egg-info .coverage .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find rss_gym baselines train eval tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # One stamp for each set of packages: the demo needs no test tools.

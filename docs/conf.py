@@ -16,6 +16,8 @@ sys.path.insert(0, str(HERE))
 sys.path.insert(0, str(HERE.parent))
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE.parent), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep)
 
+from sphinx_gallery.sorting import ExplicitOrder  # noqa: E402
+
 import rss_gym  # noqa: E402
 
 project = "rss_gym"
@@ -28,13 +30,14 @@ extensions = [
     "sphinx.ext.autosummary",
     "numpydoc",
     "myst_nb",
+    "sphinx_gallery.gen_gallery",
     "extensions.generated",
     "extensions.equations",
     "extensions.mathml",
     "extensions.fly",
     "extensions.links",
 ]
-exclude_patterns = ["_templates", "extensions", "**/.ipynb_checkpoints"]
+exclude_patterns = ["_templates", "extensions", "**/.ipynb_checkpoints", "gallery/*.ipynb", "gallery/*.py"]
 templates_path = ["_templates"]
 default_role = "code"
 suppress_warnings = [
@@ -55,6 +58,26 @@ nb_execution_mode = "cache"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
+
+GALLERY = [
+    f"{name}.py"
+    for name in ("signal_strength", "estimators", "range_of_an_encounter", "zones", "two_policies", "front")
+]
+# Scripts run in processes of their own, where kernels are compiled: this one has them as plain functions.
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples/gallery",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "within_subsection_order": ExplicitOrder(GALLERY),
+    "parallel": 2,
+    "abort_on_example_error": True,
+    "image_srcset": ["2x"],
+    "thumbnail_size": (400, 240),
+    "download_all_examples": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "write_computation_times": False,
+}
 
 html_theme = "pydata_sphinx_theme"
 html_math_renderer = "mathml"

@@ -1,10 +1,13 @@
 """Every example runs, small, and prints what it promises."""
 
+import re
 import runpy
 import sys
 from pathlib import Path
 
 import pytest
+
+from rss_gym.eval import evaluate
 
 FOLDER = Path(__file__).resolve().parent.parent / "examples"
 SMALL = ["policy.net_arch=[8]", "vec.n_envs=64", "algorithm.batch_size=256", "validation.episodes=40"]
@@ -32,7 +35,19 @@ EXAMPLES = {
 SLOW = ("cluster.py", "sb3_ppo.py", "ppo_single_file.py", "train_in_minutes.py")
 
 
+# Script -> number of its figures
+GALLERY = {
+    "estimators.py": 2,
+    "front.py": 1,
+    "range_of_an_encounter.py": 1,
+    "signal_strength.py": 2,
+    "two_policies.py": 2,
+    "zones.py": 1,
+}
+
+
 def test_every_example_is_run_here():
+    assert {path.name for path in (FOLDER / "gallery").glob("*.py")} == set(GALLERY)
     assert {path.name for path in FOLDER.glob("*.py")} - {"highway.py"} == set(EXAMPLES)
 
 
@@ -47,6 +62,30 @@ def test_it_runs(name, tmp_path, monkeypatch, capsys):
     out = capsys.readouterr().out
     for word in words:
         assert word in out
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_the_gallery_draws(name, tmp_path, monkeypatch):
+    matplotlib = pytest.importorskip("matplotlib", reason="matplotlib (extra `report`) is not installed")
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    monkeypatch.setattr(
+        "rss_gym.eval.evaluate", lambda policy, **options: evaluate(policy, **options | {"episodes": 20})
+    )
+    drawn = []
+    monkeypatch.setattr(pyplot, "show", lambda: drawn.append(pyplot.gcf().axes) or pyplot.close())
+    monkeypatch.chdir(tmp_path)
+    with matplotlib.rc_context():
+        runpy.run_path(str(FOLDER / "gallery" / name), run_name="__main__")
+    assert len(drawn) == GALLERY[name]
+    assert all(axes.get_xlabel() or axes.get_ylabel() for figure in drawn for axes in figure)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_gallery_is_listed_in_its_order():
+    order = re.search(r"for name in \(([^)]+)\)", (FOLDER.parent / "docs" / "conf.py").read_text(encoding="utf-8"))[1]
+    assert {f"{name}.py" for name in re.findall(r'"(\w+)"', order)} == set(GALLERY)
 
 
 def test_the_single_file_learns():

@@ -15,6 +15,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from rss_gym.pages import colours
 from rss_gym.params import ParamsError
 
 # A colour that stands for a variable of the style sheet, and the variable.
@@ -25,6 +26,8 @@ _VARIABLES = {
 }  # fmt: skip
 INK, MUTED, LINE, FRAME, PAPER, *COLOURS, NOMINAL = _VARIABLES
 """Colours to draw with; `COLOURS` are the eight that tell curves apart."""
+CLASSES = {variable[2:]: colour for colour, variable in _VARIABLES.items()}
+"""The same by the names of `rss_gym.pages.colours`."""
 
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none", "svg.hashsalt": "rss_gym", "figure.facecolor": "none", "axes.facecolor": "none",
@@ -36,6 +39,13 @@ _STYLE: dict[Any, Any] = {
     "lines.linewidth": 1.4, "path.simplify": True, "path.simplify_threshold": 0.5,
     "figure.constrained_layout.use": True,
 }  # fmt: skip
+
+
+def light() -> dict[str, Any]:
+    """The settings of these figures with the colours of the light scheme: `pyplot.rcParams.update(light())`."""
+    values = {colour: colours.light()[name] for name, colour in CLASSES.items()}
+    settings = {key: values.get(value, value) if isinstance(value, str) else value for key, value in _STYLE.items()}
+    return settings | {"figure.facecolor": values[PAPER], "savefig.facecolor": values[PAPER]}
 
 
 def require_figures() -> None:

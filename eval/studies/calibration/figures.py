@@ -14,7 +14,8 @@ from rss_gym.eval.studies.calibration.calibrate import Calibration
 from rss_gym.eval.studies.calibration.compare import SHARES
 from rss_gym.eval.studies.calibration.methods import RATE
 from rss_gym.eval.studies.calibration.text import printable
-from rss_gym.pages.figure import COLOURS, INK, MUTED, NOMINAL, figure
+from rss_gym.pages.colours import ESTIMATORS
+from rss_gym.pages.figure import CLASSES, COLOURS, INK, MUTED, NOMINAL, figure
 from rss_gym.radio import GaussMarkov, allan_model, received
 
 LINKS_SHOWN = 12
@@ -22,10 +23,7 @@ _POINTS, _LINE = 250, 600  # samples drawn of a link, of a curve: the page stays
 _WIDTH_IN = 11.0
 _BESIDE: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.01, 0.5), "borderaxespad": 0.0}
 # A method and the same with psi share a colour, the latter dashed.
-METHOD_COLOURS = {
-    "constant": NOMINAL, "ls": COLOURS[7], "ls-window": COLOURS[6], "ekf-white-r": COLOURS[4], "ekf-white": COLOURS[1],
-    "ekf-coloured-literal": COLOURS[5], "ekf-coloured": COLOURS[0], "ekf-log": COLOURS[2],
-}  # fmt: skip
+METHOD_COLOURS = {"constant": NOMINAL} | {name: CLASSES[class_] for name, class_ in ESTIMATORS.items()}
 
 
 def thinned(length: int, count: int) -> slice:

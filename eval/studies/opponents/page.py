@@ -14,7 +14,7 @@ from rss_gym.eval.ranking import Candidate, Place
 from rss_gym.eval.reading import load
 from rss_gym.eval.studies.study import ScoreRow, read
 from rss_gym.eval.text import difference, number
-from rss_gym.pages import figure
+from rss_gym.pages import colours, figure
 from rss_gym.pages.table import Cell, Column, Table
 
 TICKS_M = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -98,8 +98,8 @@ def chart(
         grid = drawing.axes[0]
         for axes, (panel, curves) in zip(grid, panels.items(), strict=True):
             for rule, rows in curves.items():
-                index = rules.index(rule)
-                _draw(axes, rows, figure.COLOURS[index], MARKERS[index], rule, linewidth=1.2)
+                colour, marker = figure.CLASSES[colours.POLICIES[rule]], MARKERS[rules.index(rule)]
+                _draw(axes, rows, colour, marker, rule, linewidth=1.2)
             if single and single.get(panel):
                 _draw(axes, single[panel], figure.INK, "h", "agents", linestyle="none")
             rate, path = (none[panel].metrics[name] for name in ("snmac_rate", "path_deviation_mean_m"))
