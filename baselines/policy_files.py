@@ -5,11 +5,10 @@ Numbers only: nothing in them can run.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from gymnasium.spaces import Discrete
@@ -17,13 +16,38 @@ from gymnasium.spaces import Discrete
 from rss_gym.baselines.masks import MASKS
 from rss_gym.baselines.network import ACTIVATIONS
 from rss_gym.domain import domain_of
-from rss_gym.params import Params, ParamsError, suggestion
+from rss_gym.params import Information, Params, ParamsError
 from rss_gym.plain_files import read_plain
+from rss_gym.schema import Kind, Schema, checked, listed, one_of, real, table, text, truth, version, whole
 
 DOCUMENT, WEIGHTS = "policy.json", "policy.safetensors"
 FORMAT = 2
 DOCUMENT_LIMIT, HEADER_LIMIT, WEIGHTS_LIMIT = 1 << 20, 1 << 16, 1 << 26  # bytes
 LAYERS_LIMIT, UNITS_LIMIT, STACK_LIMIT = 8, 2048, 64
+
+FIELDS: Schema = {
+    "format": version(FORMAT),
+    "network": table("a table, the architecture"),
+    "interface": table("a table, the interface of the world"),
+    "observation": listed(0, 10**6, "the list of the names of the observation's fields", text()),
+    "training": table("a table, what is recorded of the training"),
+}
+NETWORK: Schema = {
+    "layers": listed(
+        0,
+        LAYERS_LIMIT,
+        f"a list of at most {LAYERS_LIMIT} whole numbers in [1, {UNITS_LIMIT}]",
+        whole(1, UNITS_LIMIT),
+    ),
+    "activation": one_of(ACTIVATIONS),
+    "stack": whole(1, STACK_LIMIT),
+    "zeroed": one_of(MASKS),
+    "lstm": whole(0, UNITS_LIMIT),
+    "squash": truth(),
+    "clip": real(0.0, 1e6),
+}
+INTERFACE: Schema = {"information": one_of(get_args(Information))}
+TENSOR = Kind(lambda value: isinstance(value, np.ndarray), "a tensor")
 
 
 @dataclass(frozen=True)
@@ -103,50 +127,15 @@ def document_of(text: bytes) -> dict[str, Any]:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise ParamsError(f"{DOCUMENT} is not JSON: {error}") from error
-    kinds = {"format": int, "network": dict, "interface": dict, "observation": list, "training": dict}
-    if not isinstance(document, dict):
-        raise ParamsError(f"{DOCUMENT} must hold an object, got {type(document).__name__}")
-    same_names(DOCUMENT, document, kinds)
-    for name, kind in kinds.items():
-        if not isinstance(document[name], kind):
-            raise ParamsError(f"{DOCUMENT}: {name} must be a {kind.__name__}, got {document[name]!r}"[:300])
-    if document["format"] != FORMAT:
-        raise ParamsError(f"{DOCUMENT}: format {document['format']} is unknown; this version reads {FORMAT}")
+    checked(DOCUMENT, "", document, FIELDS)
+    checked(DOCUMENT, "network", document["network"], NETWORK)
+    checked(DOCUMENT, "interface", document["interface"], INTERFACE)
     return document
 
 
-def same_names(where: str, found: Any, known: Any) -> None:
-    """Refuse a name that is unknown or missing."""
-    for name in found:
-        if name not in known:
-            raise ParamsError(f"{where} has an unknown field {name!r}{suggestion(str(name), known)}")
-    for name in known:
-        if name not in found:
-            raise ParamsError(f"{where} lacks the field {name!r}")
-
-
 def network_of(table: dict[str, Any]) -> Network:
-    """The architecture in a document, its bounds checked."""
-    where = f"{DOCUMENT}, network"
-    same_names(where, table, [field.name for field in dataclasses.fields(Network)])
-    layers = table["layers"]
-    if not isinstance(layers, list) or len(layers) > LAYERS_LIMIT:
-        raise ParamsError(f"{where}: layers must be a list of at most {LAYERS_LIMIT} numbers, got {layers!r}"[:300])
-    bounds = [("layers", units, 1, UNITS_LIMIT) for units in layers]
-    bounds += [("stack", table["stack"], 1, STACK_LIMIT), ("lstm", table["lstm"], 0, UNITS_LIMIT)]
-    for name, value, low, high in bounds:
-        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-            raise ParamsError(f"{where}: {name} must be a whole number in [{low}, {high}], got {value!r}"[:300])
-    for name, known in (("activation", ACTIVATIONS), ("zeroed", MASKS)):
-        value = table[name]
-        if not isinstance(value, str) or value not in known:
-            raise ParamsError(f"{where}: {name} {value!r} is unknown{suggestion(str(value), known)}"[:300])
-    if not isinstance(table["squash"], bool):
-        raise ParamsError(f"{where}: squash must be true or false, got {table['squash']!r}"[:300])
-    clip = table["clip"]
-    if isinstance(clip, bool) or not isinstance(clip, (int, float)) or not 0.0 <= clip <= 1e6:
-        raise ParamsError(f"{where}: clip must be a number in [0, 1e6], got {clip!r}"[:300])
-    return Network(**{**table, "layers": tuple(layers), "clip": float(clip)})
+    """The architecture in a document."""
+    return Network(**{**table, "layers": tuple(table["layers"]), "clip": float(table["clip"])})
 
 
 def tensors_of(blob: bytes, shapes: dict[str, tuple[int, ...]]) -> dict[str, np.ndarray]:
@@ -161,7 +150,7 @@ def tensors_of(blob: bytes, shapes: dict[str, tuple[int, ...]]) -> dict[str, np.
         found = parse(blob)
     except (SafetensorError, ValueError, KeyError, TypeError) as error:
         raise ParamsError(f"{WEIGHTS} is not a safetensors file: {error}") from error
-    same_names(WEIGHTS, found, shapes)
+    checked(WEIGHTS, "", found, dict.fromkeys(shapes, TENSOR))
     for name, shape in shapes.items():
         tensor = found[name]
         if tensor.dtype != np.float32 or tensor.shape != shape:

@@ -38,7 +38,16 @@ _WITHOUT_KERNELS = {
     for name in (
         *("calibration", "commands", "eval", "fly", "javascript", "pages", "render", "testing", "train"),
         *("__main__.py", "arguments.py", "cli.py", "demo.py", "env.py", "errors.py", "extend.py", "files.py"),
-        *("listing.py", "meanings.py", "plain_files.py", "progress.py", "registry.py", "rows.py", "sb3.py"),
+        *(
+            "listing.py",
+            "meanings.py",
+            "plain_files.py",
+            "progress.py",
+            "registry.py",
+            "rows.py",
+            "sb3.py",
+            "schema.py",
+        ),
         *("terminal.py", "vector.py", "warm.py"),
     )
 }

@@ -9,7 +9,7 @@ from rss_gym.eval.suites import SUITES
 from rss_gym.highway.scene import SCENES
 from rss_gym.ids import IDS, ROADS
 from rss_gym.meanings import MEANINGS
-from rss_gym.params import CHANNELS, Channel, Params, known
+from rss_gym.params import CHANNELS, Channel, Params, kind_of
 from rss_gym.ranging import ESTIMATORS
 from rss_gym.tracking import TRACKERS
 from rss_gym.train.recipe import load, recipes
@@ -75,8 +75,9 @@ def parameters(wanted: str = "") -> list[dict[str, Any]]:
 
 def _range(item: dataclasses.Field[Any]) -> str:
     """The values that a parameter may have."""
-    if known(item):
-        return ", ".join(known(item))
+    kind = kind_of(item)
+    if kind is not None and kind.known is not None:
+        return ", ".join(kind.known())
     if "low" in item.metadata:
         return f"{item.metadata['low']:g} to {item.metadata['high']:g}"
     return "true, false" if isinstance(item.default, bool) else "see rss-gym list"

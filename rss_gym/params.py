@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import numbers
 import os
 import types
 import typing
@@ -24,6 +23,7 @@ from rss_gym.errors import ParamsError, UnknownParamError, suggestion
 from rss_gym.plain_files import read_toml
 from rss_gym.registry import Registry
 from rss_gym.registry import of as registry_of
+from rss_gym.schema import Kind, argument, one_of, optional, real, truth, whole
 from rss_gym.streams import MAX_INTRUDERS
 
 PRESETS_FOLDER = Path(__file__).parent / "presets"
@@ -38,63 +38,51 @@ ZoneKind = Literal["fixed", "adaptive"]
 
 
 def number(default: float, low: float, high: float) -> Any:
-    """A dataclass field that must be a finite number in [low, high]."""
-    return field(default=default, metadata={"low": low, "high": high})
+    """A dataclass field that must be a finite number in [low, high], a whole one if the default is."""
+    kind = whole(int(low), int(high)) if isinstance(default, int) else real(low, high)
+    return of_kind(default, kind, low=low, high=high)
 
 
-def choice(default: str | None, kind: Any) -> Any:
-    """A dataclass field that must be one of the strings of the `Literal` `kind` (or None if that is the default)."""
-    return field(default=default, metadata={"known": typing.get_args(kind)})
+def choice(default: str | None, names: Any) -> Any:
+    """A dataclass field that must be one of these names, or of a `Literal`'s (or None if that is the default)."""
+    names = typing.get_args(names) or tuple(names)
+    kind = one_of(names)
+    return of_kind(default, optional(kind) if default is None else kind, known=names)
 
 
-def part(default: str, kind: str) -> Any:
+def part(default: str, registry: str) -> Any:
     """A dataclass field that names a part of the registry of that kind, one that flies."""
-    return field(default=default, metadata={"registry": kind})
+
+    def names() -> list[str]:
+        return [name for name, part in registry_of(registry).items() if getattr(part, "flies", True)]
+
+    def test(value: Any) -> bool:  # the default is there; looking it up would load kernels
+        return isinstance(value, str) and (value == default or value in names())
+
+    return of_kind(default, Kind(test, f"the name of a registered {registry}", names))
 
 
-def known(item: dataclasses.Field[Any]) -> list[str]:
-    """The names that a field made by `choice` or `part` may hold; none for another field."""
-    if "registry" in item.metadata:
-        return [name for name, part in registry_of(item.metadata["registry"]).items() if getattr(part, "flies", True)]
-    return list(item.metadata.get("known", ()))
+def of_kind(default: Any, kind: Kind, **more: Any) -> Any:
+    """A dataclass field that must be of a kind, with `more` metadata."""
+    return field(default=default, metadata={"kind": kind, **more})
+
+
+def kind_of(item: dataclasses.Field[Any]) -> Kind | None:
+    """The kind of a field of a group; None where the group checks it itself."""
+    return item.metadata.get("kind") or (truth() if isinstance(item.default, bool) else None)
 
 
 class Group:
-    """A frozen dataclass whose fields check themselves."""
+    """A frozen dataclass whose fields check themselves: the kind of each stands in its metadata."""
 
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        """Check every field against its declared range."""
+        """Check every field against its kind."""
         for item in dataclasses.fields(self):  # type: ignore[arg-type]
-            self._check(item)
-
-    def _check(self, item: dataclasses.Field[Any]) -> None:
-        value: Any = getattr(self, item.name)
-        meta = item.metadata
-        if "known" in meta:
-            if value is None and item.default is None:
-                return
-            if not isinstance(value, str) or value not in meta["known"]:
-                raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), meta['known'])}")
-        elif "registry" in meta:
-            if value != item.default:  # the default is there; looking it up would load kernels
-                names = known(item)
-                if not isinstance(value, str) or value not in names:
-                    raise ParamsError(f"{item.name} = {value!r} is unknown{suggestion(str(value), names)}")
-        elif "low" in meta:
-            # `numbers` knows NumPy's scalars too, as a sweep hands them over.
-            kind: Any = numbers.Integral if isinstance(item.default, int) else numbers.Real
-            if isinstance(value, (bool, np.bool_)) or not isinstance(value, kind):
-                wanted = "a whole number" if kind is numbers.Integral else "a number"
-                raise ParamsError(f"{item.name} must be {wanted}, got {value!r}")
-            if not meta["low"] <= value <= meta["high"]:  # NaN is in no range; math.isfinite fails on huge integers
-                raise ParamsError(f"{item.name} must be in [{meta['low']:g}, {meta['high']:g}], got {value!r}")
-            object.__setattr__(self, item.name, int(value) if kind is numbers.Integral else float(value))
-        elif isinstance(item.default, bool):
-            if not isinstance(value, (bool, np.bool_)):
-                raise ParamsError(f"{item.name} must be true or false, got {value!r}")
-            object.__setattr__(self, item.name, bool(value))
+            kind = kind_of(item)
+            if kind is not None:
+                object.__setattr__(self, item.name, argument(item.name, getattr(self, item.name), kind))
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as plain JSON types."""

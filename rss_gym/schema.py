@@ -1,16 +1,19 @@
-"""What the tables of a file may hold: a schema names each field, its kind, and thereby what would be right.
+"""What the fields of a file and the parameters of a call may hold: each has a kind, which says what would be right.
 
-A schema is a mapping from the name of a field to its kind. `checked` finds a table to have these fields and no others;
-its one sentence names file, field, value and what would be right, and the nearest name where one is unknown.
+A schema is a mapping from the name of a field to its kind. `checked` finds a table of a file to have these fields and
+no others; its one sentence names file, field, value and what would be right, and the nearest name where one is unknown.
+`argument` does the same for one value that a caller gives.
 """
 
 from __future__ import annotations
 
-import math
+import numbers
 import re
 import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from rss_gym.errors import ParamsError, suggestion
 
@@ -18,10 +21,24 @@ NAME_MAX = 200  # characters of a name that are compared with the known ones
 
 
 class Kind(NamedTuple):
-    """What one value may be: a test, and the words for what passes it."""
+    """What one value may be.
+
+    Attributes
+    ----------
+    test : callable
+        Whether a value is of this kind.
+    right : str
+        The words for what is.
+    known : callable, optional
+        The names, where it is one of some: called when they are needed.
+    plain : callable
+        Makes of a value of this kind the one that is kept: of NumPy's scalars those of Python.
+    """
 
     test: Callable[[Any], bool]
     right: str
+    known: Callable[[], Iterable[str]] | None = None
+    plain: Callable[[Any], Any] = lambda value: value
 
 
 Schema = Mapping[str, Kind]
@@ -44,22 +61,32 @@ def version(*read: int) -> Kind:
 
 def whole(low: int, high: int, words: str = "") -> Kind:
     """A whole number in [low, high]."""
-    right = words or f"a whole number in [{low}, {high}]"
-    return Kind(lambda value: type(value) is int and low <= value <= high, right)
+    kind: Any = numbers.Integral  # NumPy's scalars too, as a sweep hands them over
+
+    def test(value: Any) -> bool:
+        return isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high
+
+    return Kind(test, words or f"a whole number in [{low}, {high}]", plain=int)
 
 
 def real(low: float = -1e300, high: float = 1e300, words: str = "") -> Kind:
     """A finite number in [low, high]."""
+    kind: Any = numbers.Real
 
-    def test(value: Any) -> bool:
-        return type(value) in (int, float) and low <= value <= high and math.isfinite(value)
+    def test(value: Any) -> bool:  # NaN is in no range
+        return isinstance(value, kind) and not isinstance(value, bool) and bool(low <= value <= high)
 
-    return Kind(test, words or f"a number in [{low:g}, {high:g}]")
+    return Kind(test, words or f"a number in [{low:g}, {high:g}]", plain=float)
 
 
 def truth() -> Kind:
     """True or false."""
-    return Kind(lambda value: isinstance(value, bool), "true or false")
+    return Kind(lambda value: isinstance(value, (bool, np.bool_)), "true or false", plain=bool)
+
+
+def text() -> Kind:
+    """Any text."""
+    return Kind(lambda value: isinstance(value, str), "a text")
 
 
 def line(length: int, least: int = 1, words: str = "") -> Kind:
@@ -85,7 +112,8 @@ HEX = matching("[0-9a-f]{64}", "64 hex digits")
 def one_of(names: Iterable[str], words: str = "") -> Kind:
     """One of these names."""
     known = tuple(names)
-    return Kind(lambda value: isinstance(value, str) and value in known, words or "one of " + ", ".join(known))
+    right = words or "one of " + ", ".join(known)
+    return Kind(lambda value: isinstance(value, str) and value in known, right, lambda: known)
 
 
 def table(words: str) -> Kind:
@@ -97,14 +125,20 @@ def listed(low: int, high: int, words: str, of: Kind | None = None) -> Kind:
     """A list of `low` to `high` values, each of the kind `of` if one is given."""
 
     def test(value: Any) -> bool:
-        return isinstance(value, list) and low <= len(value) <= high and (of is None or all(map(of.test, value)))
+        whole = isinstance(value, (list, tuple)) and low <= len(value) <= high
+        return whole and (of is None or all(map(of.test, value)))
 
     return Kind(test, words)
 
 
 def optional(kind: Kind, words: str = "") -> Kind:
     """Null, or a value of a kind."""
-    return kind._replace(test=lambda value: value is None or kind.test(value), right=words or f"null, or {kind.right}")
+
+    def plain(value: Any) -> Any:
+        return None if value is None else kind.plain(value)
+
+    right = words or f"null, or {kind.right}"
+    return kind._replace(test=lambda value: value is None or kind.test(value), right=right, plain=plain)
 
 
 def checked(
@@ -115,7 +149,7 @@ def checked(
     Parameters
     ----------
     file : str
-        Named in the sentence.
+        Named first in the sentence; empty where the caller names it.
     where : str
         Path of the table in the file; empty for the whole.
     value : object
@@ -130,16 +164,38 @@ def checked(
     ParamsError
         If anything else is there.
     """
+    first = f"{file}: " if file else ""
     if not isinstance(value, dict):
-        raise error(f"{file}: {where or 'the whole'} = {shown(value)} must be a table with {', '.join(schema)}")
+        raise error(f"{first}{where or 'the whole'} = {shown(value)} must be a table with {', '.join(schema)}")
     refuse_unknown(file, where, value, schema, error)
     for name, kind in schema.items():
         path = f"{where}.{name}" if where else name
         if name not in value:
-            raise error(f"{file}: {path} is missing; it must be {kind.right}")
+            raise error(f"{first}{path} is missing; it must be {kind.right}")
         if not kind.test(value[name]):
-            raise error(f"{file}: {path} = {shown(value[name])} must be {kind.right}")
+            unknown = unknown_name(path, value[name], kind)
+            raise error(f"{first}{unknown or f'{path} = {shown(value[name])} must be {kind.right}'}")
     return value
+
+
+def argument(name: str, value: Any, kind: Kind) -> Any:
+    """The value that a caller gives, found to be of a kind, as it is kept.
+
+    Raises
+    ------
+    ParamsError
+        If it is of another.
+    """
+    if not kind.test(value):
+        raise ParamsError(unknown_name(name, value, kind) or f"{name} must be {kind.right}, got {shown(value)}")
+    return kind.plain(value)
+
+
+def unknown_name(path: str, value: Any, kind: Kind) -> str:
+    """The sentence about a name that is not among the known ones; empty where something else is wrong."""
+    if kind.known is None or not isinstance(value, str):
+        return ""
+    return f"{path} = {shown(value)} is unknown{suggestion(value[:NAME_MAX], kind.known())}"
 
 
 def refuse_unknown(
@@ -150,4 +206,5 @@ def refuse_unknown(
     for name in value:
         if name not in names:
             path = f"{where}.{name}" if where else name
-            raise error(f"{file}: field {shown(path)} is unknown{suggestion(name[:NAME_MAX], names)}")
+            first = f"{file}: " if file else ""
+            raise error(f"{first}field {shown(path)} is unknown{suggestion(name[:NAME_MAX], names)}")

@@ -13,7 +13,8 @@ from typing import Any, Literal, TypeVar
 
 from rss_gym.baselines.masks import MASKS
 from rss_gym.baselines.policy_files import LAYERS_LIMIT, STACK_LIMIT, UNITS_LIMIT
-from rss_gym.params import Group, ParamsError, choice, number, suggestion
+from rss_gym.params import Group, ParamsError, choice, number, of_kind
+from rss_gym.schema import Kind, listed, real, text, whole
 
 Activation = Literal["tanh", "relu"]
 
@@ -26,72 +27,37 @@ class Schedule:
     end: float = 1.0
 
 
-def within(low: float, high: float) -> Any:
+def within(low: float, high: float) -> dict[str, Kind]:
     """Metadata of a field that is a number in [low, high], or a table with such a `start`, and `end`."""
-    return {"start": (low, high)}
+    parts = {"start": real(low, high), "end": real(0.0, 1.0)}
+
+    def table(value: Any) -> Mapping[str, Any]:
+        if isinstance(value, Schedule):
+            value = dataclasses.asdict(value)
+        return value if isinstance(value, Mapping) else {"start": value}
+
+    def test(value: Any) -> bool:
+        given = table(value)
+        return "start" in given and all(name in parts and parts[name].test(part) for name, part in given.items())
+
+    words = f"a number in [{low:g}, {high:g}] or {{start, end}}, whose end is a fraction of start in [0, 1]"
+    return {"kind": Kind(test, words, plain=lambda value: Schedule(**{n: float(v) for n, v in table(value).items()}))}
 
 
 def automatic() -> Any:
     """A field that is a number or "auto"."""
-    return field(default="auto", metadata={"automatic": True})
+    number = real(-1e12, 1e12)
+    return of_kind("auto", Kind(lambda value: value == "auto" or number.test(value), 'a number or "auto"'))
 
 
 def units(*default: int) -> Any:
     """A field that lists the units of hidden layers."""
-    return field(default=default, metadata={"units": UNITS_LIMIT})
-
-
-def named(default: str, registry: Mapping[str, Any]) -> Any:
-    """A field that names an entry of a registry."""
-    return field(default=default, metadata={"known": registry})
-
-
-class Hyperparameters(Group):
-    """A `Group` with schedules, numbers that may be automatic, and lists of layers."""
-
-    __slots__ = ()
-
-    def _check(self, item: dataclasses.Field[Any]) -> None:
-        value = getattr(self, item.name)
-        if "start" in item.metadata:
-            object.__setattr__(self, item.name, _schedule(item.name, value, *item.metadata["start"]))
-        elif "automatic" in item.metadata:
-            if value != "auto" and not _is_number(value):
-                raise ParamsError(f'{item.name} must be a number or "auto", got {value!r}')
-        elif "units" in item.metadata:
-            most = item.metadata["units"]
-            whole = isinstance(value, (list, tuple)) and all(type(u) is int and 1 <= u <= most for u in value)
-            if not whole or len(value) > LAYERS_LIMIT:
-                raise ParamsError(
-                    f"{item.name} must list the units, 1 to {most}, of at most {LAYERS_LIMIT} layers, got {value!r}"
-                )
-            object.__setattr__(self, item.name, tuple(value))
-        else:
-            Group._check(self, item)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e12
-
-
-def _schedule(name: str, value: Any, low: float, high: float) -> Schedule:
-    if isinstance(value, Schedule):
-        value = dataclasses.asdict(value)
-    table = value if isinstance(value, Mapping) else {"start": value}
-    for key in table:
-        if key not in ("start", "end"):
-            raise ParamsError(f"{name} has no field {key!r}{suggestion(str(key), ['start', 'end'])}")
-    start: Any = table.get("start")
-    end: Any = table.get("end", 1.0)
-    if not _is_number(start) or not low <= start <= high:
-        raise ParamsError(f"{name} must be a number in [{low:g}, {high:g}] or {{start, end}}, got {value!r}")
-    if not _is_number(end) or not 0.0 <= end <= 1.0:
-        raise ParamsError(f"{name}: end must be a fraction of start in [0, 1], got {end!r}")
-    return Schedule(float(start), float(end))
+    words = f"a list of the units, 1 to {UNITS_LIMIT}, of at most {LAYERS_LIMIT} layers"
+    return of_kind(default, listed(0, LAYERS_LIMIT, words, whole(1, UNITS_LIMIT))._replace(plain=tuple))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ppo(Hyperparameters):
+class Ppo(Group):
     """Of PPO. Zero in `clip_range_vf` or `target_kl` means none."""
 
     learning_rate: Schedule = field(default=Schedule(3e-4), metadata=within(1e-8, 1.0))
@@ -118,7 +84,7 @@ class RecurrentPpo(Ppo):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sac(Hyperparameters):
+class Sac(Group):
     """Of SAC. One of `train_freq` is a decision of every row; `gradient_steps` -1 is one a decision of a row."""
 
     learning_rate: Schedule = field(default=Schedule(3e-4), metadata=within(1e-8, 1.0))
@@ -136,7 +102,7 @@ class Sac(Hyperparameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pathwise(Hyperparameters):
+class Pathwise(Group):
     """Of `rss_gym.train.pathwise`.
 
     Parameters
@@ -154,12 +120,12 @@ class Pathwise(Hyperparameters):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PpoNetwork(Hyperparameters):
+class PpoNetwork(Group):
     """Actor and critic of PPO, each with these layers; `pathwise` learns the actor alone."""
 
     net_arch: tuple[int, ...] = units(64, 64)
     activation: str = choice("tanh", Activation)
-    zeroed: str = named("nothing", MASKS)
+    zeroed: str = choice("nothing", MASKS)
     log_std_init: float = number(0.0, -10.0, 2.0)
     ortho_init: bool = True
 
@@ -174,18 +140,18 @@ class RecurrentNetwork(PpoNetwork):
 
     def __post_init__(self) -> None:
         """Check that the critic has at most one LSTM."""
-        Hyperparameters.__post_init__(self)
+        Group.__post_init__(self)
         if self.shared_lstm and self.enable_critic_lstm:
             raise ParamsError("shared_lstm = true needs enable_critic_lstm = false")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SacNetwork(Hyperparameters):
+class SacNetwork(Group):
     """Actor and critics of SAC."""
 
     net_arch: tuple[int, ...] = units(256, 256)
     activation: str = choice("relu", Activation)
-    zeroed: str = named("nothing", MASKS)
+    zeroed: str = choice("nothing", MASKS)
     n_critics: int = number(2, 1, 10)
 
 
@@ -230,7 +196,7 @@ class Imitation(Group):
         Whether the imitated policy may be kept as the best.
     """
 
-    policy: str = "mpc"
+    policy: str = of_kind("mpc", text())  # the recipe checks the rest of it
     episodes: int = number(0, 0, 10**5)  # all in memory: 50 kB each
     disturbance: float = number(0.06, 0.0, 10.0)
     epochs: int = number(12, 1, 1000)
@@ -238,12 +204,6 @@ class Imitation(Group):
     learning_rate: float = number(4e-3, 1e-8, 1.0)
     critic_steps: int = number(0, 0, 10**12)
     competes: bool = True
-
-    def __post_init__(self) -> None:
-        """Check that the rule's name is a text; the recipe checks the rest of it."""
-        Group.__post_init__(self)
-        if not isinstance(self.policy, str):
-            raise ParamsError(f"policy must name a scripted rule, got {self.policy!r}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,6 +19,20 @@ from rss_gym.domain import ROAD, Domain, domain_of_id
 from rss_gym.ids import IDS, ROADS
 from rss_gym.params import Params, ParamsError, suggestion
 from rss_gym.plain_files import read_toml
+from rss_gym.schema import (
+    Kind,
+    Schema,
+    argument,
+    checked,
+    listed,
+    one_of,
+    real,
+    refuse_unknown,
+    shown,
+    table,
+    text,
+    whole,
+)
 from rss_gym.train.hyperparameters import (
     ALGORITHMS,
     Checkpoint,
@@ -35,11 +49,22 @@ from rss_gym.train.hyperparameters import (
 
 FOLDER = Path(__file__).parent / "recipes"
 STEPS_MAX = 10**12
+STAGES_MAX = 1000
 SIZE_MAX = 65536  # bytes
-SECTIONS = ("recipe", "world", "vec", "algorithm", "policy", "imitation", "curriculum", "validation", "checkpoint")
+SECTIONS: Schema = {
+    **dict.fromkeys(("recipe", "world", "vec", "algorithm", "policy", "imitation"), table("a table")),
+    "curriculum": listed(0, STAGES_MAX, f"a list of tables, at most {STAGES_MAX}"),
+    **dict.fromkeys(("validation", "checkpoint"), table("a table")),
+}
 IMITATORS = ("pathwise", "ppo")
 DISCRETE = ("ppo", "recurrent-ppo")  # that can choose among discrete actions
-HEAD = ("summary", "algorithm", "env", "steps")
+HEAD: Schema = {
+    "summary": text(),
+    "algorithm": one_of(ALGORITHMS),
+    "env": one_of({**IDS, **ROADS}),
+    "steps": whole(1, STEPS_MAX),
+}
+START = Kind(lambda value: real(0.0, 1.0).test(value) and value < 1.0, "a fraction of the steps in [0, 1)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,11 +245,11 @@ def load(source: str | os.PathLike[str], changes: Mapping[str, Any] | None = Non
         raise ParamsError(f"recipe file {text!r} {error}") from error
     for key, value in (changes or {}).items():
         section, _, name = key.partition(".")
-        _known("--set: a recipe", "table", section, SECTIONS)
+        refuse_unknown("--set", "", {section: value}, SECTIONS)
         if name and section != "curriculum":
-            table = tables.setdefault(section, {})
-            if isinstance(table, dict):  # else refused below
-                table[name] = value
+            fields = tables.setdefault(section, {})
+            if isinstance(fields, dict):  # else refused below
+                fields[name] = value
         elif section == "curriculum" and not name:
             tables[section] = value
         else:
@@ -240,22 +265,20 @@ def from_dict(name: str, tables: Mapping[str, Any]) -> Recipe:
     ParamsError
         As `load`.
     """
+    empty: dict[str, Any] = {section: [] if section == "curriculum" else {} for section in SECTIONS}
     try:
-        for section, table in tables.items():
-            _known("a recipe", "table", section, SECTIONS)
-            if not isinstance(table, list if section == "curriculum" else Mapping):
-                raise ParamsError(f"[{section}] must be a {'list of tables' if section == 'curriculum' else 'table'}")
-        head = _head(tables.get("recipe", {}))
+        tables = checked("", "", empty | dict(tables), SECTIONS)
+        head = checked("[recipe]", "", {"summary": ""} | tables["recipe"], HEAD)
         kind = ALGORITHMS[head["algorithm"]]
         return Recipe(
             name=name,
             **head,
-            world=_world(tables.get("world", {})),
+            world=_world(tables["world"]),
             vec=group("vec", Vec(), tables),
             hyperparameters=group("algorithm", kind.hyperparameters(), tables),
             policy=group("policy", kind.network(), tables),
             imitation=group("imitation", Imitation(), tables),
-            curriculum=tuple(_stage(table) for table in tables.get("curriculum", [])),
+            curriculum=tuple(_stage(table) for table in tables["curriculum"]),
             validation=group("validation", Validation(), tables),
             checkpoint=group("checkpoint", Checkpoint(), tables),
         )
@@ -283,28 +306,6 @@ def parse_changes(items: Iterable[str]) -> dict[str, Any]:
     return found
 
 
-def _known(where: str, what: str, name: Any, known: Iterable[str]) -> None:
-    if name not in known:
-        raise ParamsError(f"{where} has no {what} {name!r}{suggestion(str(name), known)}")
-
-
-def _head(table: Mapping[str, Any]) -> dict[str, Any]:
-    for key in table:
-        _known("[recipe]", "key", key, HEAD)
-    for key in HEAD:
-        if key not in table and key != "summary":
-            raise ParamsError(f"[recipe] lacks {key!r}")
-    summary, steps = table.get("summary", ""), table["steps"]
-    if not isinstance(summary, str):
-        raise ParamsError(f"[recipe]: summary must be a text, got {summary!r}")
-    for key, registry in (("algorithm", ALGORITHMS), ("env", {**IDS, **ROADS})):
-        if not isinstance(table[key], str) or table[key] not in registry:
-            raise ParamsError(f"[recipe]: {key} = {table[key]!r} is unknown{suggestion(str(table[key]), registry)}")
-    if type(steps) is not int or not 1 <= steps <= STEPS_MAX:
-        raise ParamsError(f"[recipe]: steps must be a whole number in [1, {STEPS_MAX:g}], got {steps!r}")
-    return {"summary": summary, "algorithm": table["algorithm"], "env": table["env"], "steps": steps}
-
-
 def _world(table: Mapping[str, Any]) -> dict[str, Any]:
     """The parameters, with channels as numbers: a recipe that is kept must not change with a file it named."""
     world = dict(table)
@@ -313,10 +314,8 @@ def _world(table: Mapping[str, Any]) -> dict[str, Any]:
     return world
 
 
-def _stage(table: Any) -> Stage:
-    if not isinstance(table, Mapping) or "start" not in table:
-        raise ParamsError(f"[[curriculum]]: a stage is a table with start, got {table!r}"[:300])
-    start = table["start"]
-    if isinstance(start, bool) or not isinstance(start, (int, float)) or not 0.0 <= start < 1.0:
-        raise ParamsError(f"[[curriculum]]: start must be a fraction of the steps in [0, 1), got {start!r}")
-    return Stage(float(start), _world({key: item for key, item in table.items() if key != "start"}))
+def _stage(given: Any) -> Stage:
+    if not isinstance(given, Mapping) or "start" not in given:
+        raise ParamsError(f"[[curriculum]]: a stage is a table with start, got {shown(given)}")
+    start = argument("[[curriculum]]: start", given["start"], START)
+    return Stage(float(start), _world({key: item for key, item in given.items() if key != "start"}))

@@ -22,23 +22,34 @@ from gymnasium.spaces import Discrete
 from rss_gym import registry
 from rss_gym.baselines.agent import Agent, load
 from rss_gym.baselines.policy_files import DOCUMENT
+from rss_gym.core import SEED_LIMIT
 from rss_gym.domain import ROAD
 from rss_gym.eval.processes import interrupts_held, process_pool
 from rss_gym.files import check_new, new_folder, replaced_folder, tidy, write_text
 from rss_gym.params import ParamsError
 from rss_gym.plain_files import read_json
+from rss_gym.schema import Schema, checked, listed, optional, table, text, version, whole
 from rss_gym.train import recipe as recipes
 from rss_gym.train.hyperparameters import ALGORITHMS
 from rss_gym.train.lock import locked
 from rss_gym.train.recipe import Recipe
-from rss_gym.train.run_record import AGENT, BEST, FORMAT, RUN, check_count, copy_policy, revision, versions
+from rss_gym.train.run_record import AGENT, BEST, COUNT_MAX, FORMAT, RUN, check_count, copy_policy, revision, versions
 
 if TYPE_CHECKING:
     from rss_gym.train.loop import Times
 
 LOCK = "lock"
 RUN_BYTES_MAX = 1 << 22
-KINDS = {"format": int, "name": str, "recipe": dict, "world": dict, "seeds": list, "versions": dict, "command": list}
+FIELDS: Schema = {
+    "format": version(FORMAT),
+    "name": text(),
+    "recipe": table("a table, the recipe with every default"),
+    "world": table("a table, the parameters of the world"),
+    "seeds": listed(1, COUNT_MAX, f"a list of 1 to {COUNT_MAX} whole numbers", whole(0, SEED_LIMIT - 1)),
+    "versions": table("a table of package names and versions"),
+    "revision": optional(text()),
+    "command": listed(0, 10**6, "a list of texts", text()),
+}
 
 
 def start(
@@ -109,14 +120,9 @@ def read(folder: str | os.PathLike[str]) -> tuple[Recipe, dict[str, Any]]:
     """
     try:
         document = read_json(Path(folder) / RUN, RUN_BYTES_MAX)
-        for key, kind in KINDS.items():
-            if not isinstance(document, dict) or not isinstance(document.get(key), kind):
-                raise ParamsError(f"{key} must be a {kind.__name__}")
-        if document["format"] != FORMAT:
-            raise ParamsError(f"format {document['format']!r} is unknown; this version reads {FORMAT}")
+        checked("", "", document, FIELDS)
         recipe = recipes.from_dict(document["name"], document["recipe"])
-        check_count("seeds", len(document["seeds"]))
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except ParamsError as error:
         raise ParamsError(f"{str(folder)!r} is not the folder of a run: {RUN}: {error}") from error
     if recipe.params.to_dict() != document["world"]:
         raise ParamsError(

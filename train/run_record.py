@@ -10,7 +10,7 @@ from typing import Any
 
 from rss_gym.baselines.policy_files import DOCUMENT, WEIGHTS
 from rss_gym.eval import records
-from rss_gym.params import ParamsError
+from rss_gym.schema import argument, whole
 
 RUN, AGENT, BEST = "run.json", "agent", "best"
 FORMAT = 1
@@ -19,8 +19,7 @@ COUNT_MAX = 1000
 
 def check_count(name: str, value: Any) -> None:
     """Refuse a number of seeds or workers outside [1, COUNT_MAX]."""
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= COUNT_MAX:
-        raise ParamsError(f"{name} must be a whole number in [1, {COUNT_MAX}], got {value!r}")
+    argument(name, value, whole(1, COUNT_MAX))
 
 
 def versions(*names: str) -> dict[str, str]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Literal
 
-from rss_gym.checks import positive
 from rss_gym.highway.scene import SCENES, scene_class
 from rss_gym.params import (
     MAX_INTRUDERS,
@@ -20,9 +19,11 @@ from rss_gym.params import (
     Ranging,
     Zone,
     choice,
+    number,
     refuse_keywords,
     suggestion,
 )
+from rss_gym.schema import argument, whole
 
 Driver = Literal["agent", "idm"]
 
@@ -39,19 +40,16 @@ class Road(Group):
         What differs from the scene's configuration of highway-env.
     """
 
-    scene: str = "highway"
+    scene: str = choice("highway", SCENES)
     config: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    radio_range_m: float = 150.0
+    radio_range_m: float = number(150.0, 0.1, 1e4)
     radio: bool = True
     driver: str = choice("agent", Driver)
 
     def __post_init__(self) -> None:
-        """Check the names; the configuration is checked where the road is made."""
+        """Check the fields; the configuration is checked where the road is made."""
         Group.__post_init__(self)
-        if not isinstance(self.scene, str) or self.scene not in SCENES:
-            raise ParamsError(f"scene {self.scene!r} is unknown{suggestion(str(self.scene), SCENES)}")
         object.__setattr__(self, "config", dict(_mapping("config", self.config)))
-        object.__setattr__(self, "radio_range_m", positive("radio_range_m", self.radio_range_m, 1e4))
 
     @property
     def configuration(self) -> dict[str, Any]:
@@ -130,7 +128,8 @@ class RoadParams(Params):
         if "estimator" in keywords:
             changes["ranging"] = changes.get("ranging", base.ranging).replace(estimator=keywords["estimator"])
         if "vehicles" in keywords:
-            changes["encounter"] = base.encounter.replace(intruders=_count(keywords["vehicles"]))
+            vehicles = argument("vehicles", keywords["vehicles"], whole(1, MAX_INTRUDERS))
+            changes["encounter"] = base.encounter.replace(intruders=vehicles)
         if "channel" in keywords:
             changes["channels"] = keywords["channel"]
         if "information" in keywords:
@@ -160,12 +159,6 @@ def _changed(name: str, base: Group, given: Any, known: tuple[str, ...]) -> Grou
         return base.replace(**given)
     except ParamsError as error:
         raise ParamsError(f"{name}: {error}") from error
-
-
-def _count(vehicles: Any) -> int:
-    if isinstance(vehicles, bool) or not isinstance(vehicles, int) or not 1 <= vehicles <= MAX_INTRUDERS:
-        raise ParamsError(f"vehicles must be a whole number in [1, {MAX_INTRUDERS}], got {vehicles!r}")
-    return vehicles
 
 
 def _mapping(name: str, given: Any) -> Mapping[str, Any]:

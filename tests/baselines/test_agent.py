@@ -70,11 +70,11 @@ def test_another_level_of_information_is_refused_by_name(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"format": 1}, ["format 1", "reads 2"]),
+        ({"format": 1}, ["format = 1 must be 2"]),
         ({"interface": {"information": "paper"}}, ["'paper'", "known: oracle, positions, ranges"]),
-        ({"interface": {}}, ["interface", "'information'"]),
-        ({"interface": {"information": "positions", "reach_m": 60.0}}, ["'reach_m'"]),
-        ({"network": NETWORK | {"features": "none"}}, ["'features'"]),
+        ({"interface": {}}, ["interface.information is missing"]),
+        ({"interface": {"information": "positions", "reach_m": 60.0}}, ["'interface.reach_m' is unknown"]),
+        ({"network": NETWORK | {"features": "none"}}, ["'network.features' is unknown"]),
         ({"network": NETWORK | {"zeroed": "everything"}}, ["'everything'"]),
         ({"observation": ["time_s"]}, ["1 fields"]),
     ],

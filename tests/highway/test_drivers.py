@@ -102,7 +102,7 @@ def test_one_observation_and_a_batch():
         ("rule:lateral_m=1,lateral_m=2", "option 'lateral_m' of policy 'rule' is given twice"),
         ("orca", "policy 'orca' is unknown on a road"),
         ("rule:lateral_m=x", "must be a number, got 'x'"),
-        ("rule:lateral_m=99", r"lateral_m must be in \[0.5, 10\]"),
+        ("rule:lateral_m=99", r"lateral_m must be a number in \[0.5, 10\]"),
         ("model.zip", "reading runs code from it"),
         ("none@oracl", "information 'oracl' is unknown; did you mean 'oracle'"),
     ],

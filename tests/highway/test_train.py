@@ -36,7 +36,7 @@ def short(**more):
         ({"world.families": "mixed"}, "a road has no parameter 'families'"),
         ({"imitation.policy": "rul"}, "policy 'rul' is unknown on a road; did you mean 'rule'"),
         ({"imitation.policy": "idm"}, "policy 'idm' is a driver of highway-env, which chooses no actions"),
-        ({"imitation.policy": "rule:lateral_m=99"}, r"lateral_m must be in \[0.5, 10\]"),
+        ({"imitation.policy": "rule:lateral_m=99"}, r"lateral_m must be a number in \[0.5, 10\]"),
     ],
 )
 def test_refused(changes, sentence):

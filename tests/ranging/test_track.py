@@ -331,5 +331,5 @@ def test_bad_input(changes, sentence):
 
 
 def test_bad_tuning():
-    with pytest.raises(ParamsError, match="prior_std_m must be in"):
+    with pytest.raises(ParamsError, match="prior_std_m must be a number in"):
         Tuning(prior_std_m=-1.0)

@@ -7,13 +7,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rss_gym.params import ParamsError, suggestion
+from rss_gym.params import Group, ParamsError, choice, number, of_kind
+from rss_gym.schema import listed, optional, real
 
 TIME_UNITS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 @dataclass(frozen=True)
-class ReadOptions:
+class ReadOptions(Group):
     """What a user may say about logs.
 
     Parameters
@@ -38,11 +39,11 @@ class ReadOptions:
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
-    time_unit: str | None = None
+    time_unit: str | None = choice(None, TIME_UNITS)
     melt: str | None = None
     truth: str | os.PathLike[str] | None = None
-    offset_db: float = 0.0
-    station: tuple[float, float, float] | None = None
+    offset_db: float = number(0.0, -1000.0, 1000.0)
+    station: tuple[float, float, float] | None = of_kind(None, optional(listed(3, 3, "three finite numbers", real())))
     from_s: float = -math.inf
     to_s: float = math.inf
     whole: bool = False
@@ -55,11 +56,6 @@ class ReadOptions:
         ParamsError
             For an unknown unit, a number that is not finite, or an empty span of time.
         """
-        if self.time_unit is not None and self.time_unit not in TIME_UNITS:
-            raise ParamsError(f"time unit {self.time_unit!r} is unknown{suggestion(self.time_unit, TIME_UNITS)}")
-        if not (math.isfinite(self.offset_db) and abs(self.offset_db) <= 1000.0):
-            raise ParamsError(f"offset_db must lie in [-1000, 1000], got {self.offset_db!r}")
+        Group.__post_init__(self)
         if not self.from_s < self.to_s:
             raise ParamsError(f"--from must lie before --to, got {self.from_s:g} and {self.to_s:g} s")
-        if self.station is not None and not (len(self.station) == 3 and all(map(math.isfinite, self.station))):
-            raise ParamsError(f"station must be three finite numbers, got {self.station!r}")

@@ -54,7 +54,7 @@ def test_the_unit_of_time_can_be_named(log):
     path = log(("t", "rss", "dist"), [f"{30.0 * t:.2f}" for t in TIME_S], RSS_DBM, DISTANCE_M)
     (found,) = read(path, time_unit="ms")
     assert found.time_s[-1] == pytest.approx(0.03 * TIME_S[-1])
-    with pytest.raises(ParamsError, match="time unit 'm' is unknown"):
+    with pytest.raises(ParamsError, match="time_unit = 'm' is unknown"):
         read(path, time_unit="m")
 
 
