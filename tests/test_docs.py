@@ -171,6 +171,12 @@ def test_the_citation_is_of_this_version():
         assert number in text_of(ROOT / "docs" / "cite.md")
 
 
+def test_the_entry_for_gymnasium_s_list_names_the_lowest_version():
+    gymnasium = next(line for line in text_of(ROOT / "pyproject.toml").splitlines() if '"gymnasium>=' in line)
+    lowest = re.search(r">=([\d.]+)", gymnasium)[1]
+    assert f"badge/Gymnasium-v{lowest}-blue" in text_of(ROOT / "CONTRIBUTING.md")
+
+
 def test_pyproject_names_modules_that_exist():
     settings = tomllib.loads(text_of(ROOT / "pyproject.toml"))["tool"]
     found = {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in (ROOT / "rss_gym").rglob("*.py")}

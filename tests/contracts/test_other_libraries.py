@@ -1,6 +1,9 @@
 """What other libraries ask of an environment beyond the contract: limits, attributes, lists of frames, keywords."""
 
+import subprocess
+import sys
 from importlib.util import find_spec
+from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
@@ -15,9 +18,32 @@ from rss_gym.params import Params, ParamsError
 from rss_gym.vector import EncounterVectorEnv
 
 ID = "rss_gym/Encounter-v0"
+ROOT = Path(__file__).resolve().parents[2]
 needs_roads = pytest.mark.skipif(find_spec("highway_env") is None, reason="highway-env is not installed")
 every_id = pytest.mark.parametrize("name", [*IDS, *(pytest.param(road, marks=needs_roads) for road in ROADS)])
 pytestmark = pytest.mark.usefixtures("no_warnings")
+
+
+# -- ids --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ('gym.make("rss_gym/Encounter-v0")', "NamespaceNotFound"),
+        ('gym.make("rss_gym:rss_gym/Encounter-v0")', "made"),
+        ('gym.make_vec("rss_gym:rss_gym/Encounter-v0", num_envs=2)', "made"),
+        ('import rss_gym; gym.make("rss_gym/Encounter-v0")', "made"),
+    ],
+)
+def test_an_id_needs_the_import_or_its_module_as_the_documents_say(line, found):
+    code = f"try: {line}; print('made')\nexcept gym.error.Error as error: print(type(error).__name__)"
+    code = f"import gymnasium as gym\n{code}"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == found
+    for page in ("README.md", "docs/quickstart.md", "docs/faq.md"):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        assert "`import rss_gym`" in text and '`gym.make("rss_gym:rss_gym/Encounter-v0")`' in text
 
 
 # -- keywords ---------------------------------------------------------------------------------------------------------
