@@ -5,8 +5,28 @@
   const part = (name) => document.querySelector(`[data-part="${name}"]`);
   const SPEEDS = [1, 2, 4, 8], SETTLE_S = 0.15; // time in which a jump of an estimate is drawn
   const NO_JUMPS = { own: [0, 0], fix: [0, 0], others: [] };
-  const game = { index: 0, speed: 1, running: false, over: [], keys: new Set(), pad: null };
+  const game = { index: 0, speed: 1, running: false, over: kept(), keys: new Set(), pad: null };
   const replay = { t: 0, playing: false };
+
+  // -- the tally of former visits; a browser may refuse to keep it, and then it lasts as long as the page ------------
+
+  function kept() {
+    const numbers = ({ cost, closest }) => Number.isFinite(cost) && Number.isFinite(closest);
+    const whole = ({ index, mine, its }) => index in facts.encounters && numbers(mine) && numbers(its);
+    try {
+      const over = JSON.parse(localStorage.getItem(facts.key)) || [];
+      return over.every(whole) ? over : [];
+    } catch {
+      return [];
+    }
+  }
+
+  function keep() {
+    try {
+      if (game.over.length) localStorage.setItem(facts.key, JSON.stringify(game.over));
+      else localStorage.removeItem(facts.key);
+    } catch { /* this page has the tally all the same */ }
+  }
 
   // -- what is known, and what was true -----------------------------------------------------------------------------
 
@@ -226,7 +246,8 @@
     const samples = [], agent = rssWorld.fly(encounter().number, rssWorld.think, (flight) => samples.push(truth(flight)));
     const mine = { samples: game.samples, ...scores(game.flight) }, its = { samples, ...scores(agent) };
     game.result = { mine, its };
-    game.over.push({ index: game.index, family: encounter().family, mine, its });
+    game.over.push({ index: game.index, family: encounter().family, mine: scores(game.flight), its: scores(agent) });
+    keep();
     replay.box = box([mine, its]);
     replay.end = Math.max(...[mine, its].map((flight) => (flight.samples.length - 1) * facts.decision_s));
     replay.t = replay.end;
@@ -282,10 +303,12 @@
   }
 
   function showTally() {
-    const { over } = game, mean = (who) => over.reduce((sum, flown) => sum + flown[who].cost, 0) / over.length;
+    const { over } = game;
+    tally.hidden = !over.length;
+    if (!over.length) return;
+    const mean = (who) => over.reduce((sum, flown) => sum + flown[who].cost, 0) / over.length;
     const wins = over.filter((flown) => flown.mine.cost < flown.its.cost).length;
     const hits = (who) => over.filter((flown) => flown[who].collision).length;
-    tally.hidden = false;
     const flown = over.length === 1 ? "One encounter" : `${over.length} encounters`;
     part("sum").textContent = `${flown}: your mean cost is ${metres(mean("mine"))} m and ${facts.agent}'s `
       + `${metres(mean("its"))} m. You were cheaper in ${wins}. Collisions: you ${hits("mine")}, the agent ${hits("its")}.`;
@@ -374,6 +397,7 @@
   click("next", () => { load(game.index + 1); toggle(); });
   click("repeat", () => { load(game.index); toggle(); });
   click("replay", play);
+  click("forget", () => { game.over = []; keep(); showTally(); });
   part("time").addEventListener("input", () => seek(Number(part("time").value)));
   const scrub = (event) => {
     const { left, right } = replay.axis;
@@ -434,5 +458,6 @@
     if (game.flight.done) finish(); else draw(0);
   }
   window.addEventListener("hashchange", follow);
+  showTally();
   follow();
 })();

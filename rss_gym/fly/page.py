@@ -67,6 +67,7 @@ def render(suite: Suite, agent: str, encounters: list[Encounter], world: str) ->
     params: Any = suite.params
     data = {
         "agent": agent,
+        "key": f"rss_gym fly {suite.hash[:12]} {digest[:16]}",  # a tally of another world or agent is none of this page
         "encounters": [dataclasses.asdict(encounter) for encounter in encounters],
         "decision_s": params.clock.decision_s,
         "speed_mps": params.aircraft.speed_max_mps,

@@ -68,6 +68,48 @@ def test_a_flight_can_stop_on_its_way(page):
     assert ">10.0 s<" in shown and re.search(r'<section id="end"[^>]* hidden=""', shown)
 
 
+def with_script(page, before="", after=""):
+    """The page with scripts of the test round its own, which its policy would not let run."""
+    page = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
+    page = page.replace('<script type="application/json"', f'<script>{before}</script><script type="application/json"')
+    return page.replace("</body>", f"<script>{after}</script></body>")
+
+
+FLOWN = {
+    "index": 1,
+    "family": "crossing",
+    "mine": {"cost": 3.0, "closest": 20.0},
+    "its": {"cost": 4.0, "closest": 21.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("stored", "flights"),
+    [
+        (json.dumps([FLOWN, FLOWN]), 2), ("[{}]", 0), ("{}", 0), ("not JSON", 0),
+        (json.dumps([FLOWN | {"index": COUNT}]), 0), (json.dumps([FLOWN | {"its": {}}]), 0),
+    ],
+)  # fmt: skip
+def test_the_tally_outlives_the_page(page, stored, flights):
+    if "chromium" not in engines():
+        pytest.skip("chromium is not on the path")
+    key = data_of(page)["key"]
+    before = f"localStorage.setItem({json.dumps(key)}, {json.dumps(stored)})"
+    after = f"document.title = JSON.parse(localStorage.getItem({json.dumps(key)})).length"
+    shown = rendered(with_script(page, before), "encounter=1")
+    assert bool(re.search(r'<section id="tally"[^>]* hidden=""', shown)) == (flights == 0)
+    assert ("2 encounters: your mean cost is 3.00 m" in shown) == (flights == 2)
+    assert f"<title>{flights + 1}</title>" in rendered(with_script(page, before, after), "encounter=1&keys=&time=end")
+
+
+def test_a_browser_that_keeps_nothing_flies_all_the_same(page):
+    if "chromium" not in engines():
+        pytest.skip("chromium is not on the path")
+    before = "Object.defineProperty(window, 'localStorage', { get() { throw new Error('refused'); } })"
+    shown = rendered(with_script(page, before), "encounter=1&keys=&time=end")
+    assert "One encounter: your mean cost is" in shown
+
+
 @pytest.mark.parametrize(
     ("words", "what"),
     [
