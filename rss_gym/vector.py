@@ -217,10 +217,15 @@ class EncounterVectorEnv(_Base):
 
     def _mask(self, options: Mapping[str, Any]) -> np.ndarray:
         mask = options.get("reset_mask", self._all)
-        if not isinstance(mask, np.ndarray) or mask.dtype != bool or mask.shape != (self.num_envs,) or not mask.any():
-            raise ValueError(
-                f"reset option 'reset_mask' must be a bool array ({self.num_envs},) with a True in it, got {mask!r}"
-            )
+        name = "`options['reset_mask']`"  # in the words of Gymnasium, whose kinds of errors these are too
+        if not isinstance(mask, np.ndarray):
+            raise TypeError(f"{name} must be a numpy array, got {type(mask)}")
+        if mask.dtype != bool:
+            raise TypeError(f"{name} must have `dtype=np.bool_`, got {mask.dtype}")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"{name} must have shape `({self.num_envs},)`, got {mask.shape}")
+        if not mask.any():
+            raise ValueError(f"{name} must contain a boolean array with at least one True value, got reset_mask={mask}")
         return mask
 
     def _seeds(self, seed: Any) -> list[int | None]:

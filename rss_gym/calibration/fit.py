@@ -140,7 +140,7 @@ def _links(records: Sequence[LogRecord]) -> tuple[dict[str, LinkFit], dict[str, 
         except ParamsError as error:
             excluded[name] = str(error)
     if not links:
-        reasons = "; ".join(f"{name!r}: {reason}" for name, reason in list(excluded.items())[:3])
+        reasons = "; ".join(f"link {name!r}: {reason}" for name, reason in list(excluded.items())[:3])
         sources = ", ".join(repr(source) for source in list(dict.fromkeys(record.source for record in records))[:3])
         raise ParamsError(f"no link can be calibrated: {reasons}; in log {sources}")
     return links, excluded

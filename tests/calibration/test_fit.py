@@ -78,7 +78,9 @@ def test_a_link_that_does_not_fade_is_left_out(flown):
     found = fit([flown(600), rising])
     assert list(found.links) == ["a"] and list(found.excluded) == ["odd"]
     assert "path_loss_factor" in found.excluded["odd"] and "[1, 8]" in found.excluded["odd"]
-    with pytest.raises(ParamsError, match=r"no link can be calibrated: 'odd': path_loss_factor .*; in log 'a.csv'"):
+    with pytest.raises(
+        ParamsError, match=r"no link can be calibrated: link 'odd': path_loss_factor .*; in log 'a.csv'"
+    ):
         fit([rising])
 
 

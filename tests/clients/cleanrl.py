@@ -1,46 +1,35 @@
-"""The environment part of CleanRL's `ppo_continuous_action.py`, as that script has it, at its pin gymnasium 0.29.1."""
+"""CleanRL's `ppo_continuous_action.py` as it is published, unmodified, on the id in the form `module:id`.
 
-import gymnasium as gym
-import numpy as np
-import torch
-from torch import nn
+The script is that of the installed distribution, and with a checkout in `CLIENT_CHECKOUTS/cleanrl` the newest one as
+well.
+"""
 
-import rss_gym  # noqa: F401
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from importlib.metadata import distribution
+from pathlib import Path
 
-GAMMA = 0.99
-
-
-def make_env(env_id, idx, capture_video, run_name, gamma):
-    def thunk():
-        if capture_video and idx == 0:
-            env = gym.make(env_id, render_mode="rgb_array")
-            env = gym.wrappers.RecordVideo(env, f"videos/{run_name}")
-        else:
-            env = gym.make(env_id)
-        env = gym.wrappers.FlattenObservation(env)
-        env = gym.wrappers.RecordEpisodeStatistics(env)
-        env = gym.wrappers.ClipAction(env)
-        env = gym.wrappers.NormalizeObservation(env)
-        env = gym.wrappers.TransformObservation(env, lambda obs: np.clip(obs, -10, 10))
-        env = gym.wrappers.NormalizeReward(env, gamma=gamma)
-        env = gym.wrappers.TransformReward(env, lambda reward: np.clip(reward, -10, 10))
-        return env
-
-    return thunk
+NAME = "cleanrl/ppo_continuous_action.py"
+STEPS = ["--total-timesteps", "2000", "--num-envs", "4", "--num-steps", "128", "--num-minibatches", "4"]
 
 
-envs = gym.vector.SyncVectorEnv([make_env("rss_gym/Encounter-v0", i, False, "x", GAMMA) for i in range(4)])
-assert isinstance(envs.single_action_space, gym.spaces.Box)
-actor = nn.Linear(np.prod(envs.single_observation_space.shape), np.prod(envs.single_action_space.shape))
-observation, _ = envs.reset(seed=1)
-ends = 0
-for _ in range(400):
-    with torch.no_grad():
-        action = actor(torch.Tensor(observation))
-    observation, reward, terminations, truncations, infos = envs.step(action.cpu().numpy())
-    if "final_info" in infos:
-        for info in infos["final_info"]:
-            if info and "episode" in info:
-                ends += 1
-assert ends > 0 and np.isfinite(observation).all()
-print(f"* CleanRL's loop: {ends} episodes with their statistics")
+def run(script, origin):
+    """Run a script by its file name, in a folder of its own, for three updates."""
+    command = [sys.executable, script, "--env-id", "rss_gym:rss_gym/Encounter-v0", *STEPS]
+    done = subprocess.run(command, cwd=tempfile.mkdtemp(), capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(done.stderr)
+    returns = re.findall(r"episodic_return=\[?(-?[\d.]+)", done.stdout)
+    assert len(returns) > 3, done.stdout
+    print(f"* {Path(script).name} {origin}, unmodified: {len(returns)} episodes in three updates")
+
+
+if __name__ == "__main__":
+    published = distribution("cleanrl")
+    run(published.locate_file(NAME), f"of cleanrl {published.version}")
+    checkout = Path(os.environ.get("CLIENT_CHECKOUTS", "none")) / "cleanrl" / NAME
+    if checkout.exists():
+        run(checkout, "of its repository")

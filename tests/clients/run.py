@@ -1,7 +1,8 @@
 """Run other libraries against this package, each in an environment of its own, and write what came out as a table.
 
 `make clients`, or `python tests/clients/run.py NAME ...` for some of them. Not part of the tests: the environments take
-gigabytes and an hour to install.
+gigabytes. They are made by uv, which is installed into one of its own: pip searches for a quarter of an hour where many
+packages hang together. Folders of wheels that PIP_FIND_LINKS names are used too.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -18,7 +20,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "clients.md"
-OWN = ("numba", "safetensors", "scipy", "tqdm")  # what this package needs beside Gymnasium and NumPy
+SCRIPTS = "Scripts" if os.name == "nt" else "bin"
+OWN = ("jinja2", "numba", "safetensors", "scipy", "tqdm")  # what this package needs beside Gymnasium and NumPy
 BEGIN, END = "<!-- clients -->\n", "<!-- /clients -->"
 
 
@@ -31,33 +34,41 @@ class Client:
     script : str
         In this folder.
     packages : tuple of str
-        To install, for pip.
+        To install.
     shown : tuple of str
         Distributions whose versions the table names.
-    arguments : tuple of str
-        For the script; `{here}` is this folder.
+    alone : tuple of str
+        Packages to install without what they ask for.
     """
 
     script: str
     packages: tuple[str, ...]
     shown: tuple[str, ...]
-    arguments: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()
 
 
+TESTS = ("hypothesis", "pillow", "pytest")  # of behaviour, run by pytest
 CLIENTS = {
-    "gymnasium": Client("floor.py", ("gymnasium==0.29.1",), ("gymnasium", "numpy")),
+    "gymnasium, oldest": Client("vector.py", ("gymnasium==0.29.1", *TESTS), ("gymnasium", "numpy")),
+    "gymnasium 1.0": Client("vector.py", ("gymnasium==1.0.0", *TESTS), ("gymnasium", "numpy")),
+    "gymnasium, newest": Client("vector.py", ("gymnasium", *TESTS), ("gymnasium", "numpy")),
     "sb3": Client(
         "sb3.py",
         ("stable-baselines3", "sb3-contrib", "torch", "pandas"),
         ("stable-baselines3", "sb3-contrib", "gymnasium"),
     ),
-    "rl_zoo3": Client("zoo.py", ("rl_zoo3", "torch"), ("rl-zoo3", "stable-baselines3", "gymnasium")),
-    "cleanrl": Client("cleanrl.py", ("gymnasium==0.29.1", "torch"), ("gymnasium", "torch")),
+    "rl_zoo3": Client("zoo.py", ("rl_zoo3", "requests", "torch"), ("rl-zoo3", "stable-baselines3", "gymnasium")),
+    "cleanrl": Client(
+        "cleanrl.py",
+        ("gymnasium==0.29.1", "tensorboard", "torch", "tyro"),
+        ("cleanrl", "gymnasium", "torch"),
+        alone=("cleanrl==1.2.0",),  # it pins a Python, a pygame and a gym that no new system has
+    ),
     "imitation": Client("imitate.py", ("imitation==1.0.1", "torch"), ("imitation", "stable-baselines3", "gymnasium")),
     "d3rlpy": Client("d3rl.py", ("d3rlpy==2.8.1", "torch"), ("d3rlpy", "gymnasium")),
     "torchrl": Client("torch_rl.py", ("torchrl", "gymnasium", "torch"), ("torchrl", "tensordict", "gymnasium")),
     "minari": Client("minari_set.py", ("minari[hdf5,create]", "pillow"), ("minari", "gymnasium")),
-    "tianshou": Client("tianshou_loop.py", ("tianshou", "torch"), ("tianshou", "gymnasium")),
+    "tianshou": Client("tianshou_sac.py", ("tianshou[eval]", "torch"), ("tianshou", "gymnasium")),
     "skrl": Client("skrl_ppo.py", ("skrl", "gymnasium", "torch"), ("skrl", "gymnasium")),
     "rllib": Client("rllib_ppo.py", ("ray[rllib]", "torch"), ("ray", "gymnasium")),
 }
@@ -71,11 +82,12 @@ def main() -> int:
     parser.add_argument("--install-s", type=float, default=900.0, help="time for one installation")
     parser.add_argument("--run-s", type=float, default=600.0, help="time for one script")
     options = parser.parse_args()
+    installer = _Installer(options.folder, options.install_s)
     rows = _table()
     failed = False
     for name in options.names or CLIENTS:
         print(f"== {name}", flush=True)
-        versions, outcome, right = _ran(CLIENTS[name], options.folder / name, options.install_s, options.run_s)
+        versions, outcome, right = _ran(CLIENTS[name], installer, re.sub(r"\W+", "-", name), options.run_s)
         failed |= not right
         rows[name] = f"| {name} | {versions} | {outcome} |"
         _write(rows)
@@ -83,14 +95,44 @@ def main() -> int:
     return int(failed)
 
 
-def _ran(client: Client, folder: Path, install_s: float, run_s: float) -> tuple[str, str, bool]:
-    """Versions, outcome, and whether the script ran to its end."""
-    python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
-    try:
+class _Installer:
+    """Makes environments in a folder, with the version of PyTorch that the tests of this package run with."""
+
+    def __init__(self, folder: Path, limit_s: float):
+        self.folder, self.limit_s = folder, limit_s
+        self.torch = folder / "torch.txt"
+        self.uv = [folder / "uv" / SCRIPTS / "uv", "pip", "install", "--quiet", "--constraint", self.torch]
+        for links in os.environ.get("PIP_FIND_LINKS", "").split():
+            self.uv += ["--find-links", links]
+
+    def python(self, name: str, client: Client) -> Path:
+        """The interpreter of an environment that holds the client's packages; it is made unless it is there."""
+        python = self.folder / name / SCRIPTS / "python"
         if not python.exists():
-            venv.create(folder, with_pip=True)
-            install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-            subprocess.run([*install, *client.packages, *OWN], check=True, timeout=install_s)
+            if not self.uv[0].exists():
+                venv.create(self.folder / "uv", with_pip=True)
+                pip = [self.folder / "uv" / SCRIPTS / "python", "-m", "pip", "install", "--quiet", "uv"]
+                subprocess.run(pip, check=True, timeout=self.limit_s)
+            pins = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if line.startswith("torch==")]
+            self.torch.write_text("\n".join(pins))
+            venv.create(self.folder / name)
+            try:
+                for packages in (*client.packages, *OWN), ("--no-deps", *client.alone):
+                    if packages[1:]:
+                        command = [*self.uv, "--python", python, *packages]
+                        subprocess.run(command, check=True, timeout=self.limit_s)
+            except BaseException:
+                shutil.rmtree(self.folder / name)
+                raise
+        return python
+
+
+def _ran(client: Client, installer: _Installer, name: str, run_s: float) -> tuple[str, str, bool]:
+    """Versions, outcome, and whether the script ran to its end."""
+    try:
+        started = time.monotonic()
+        python = installer.python(name, client)
+        print(f"installed in {time.monotonic() - started:.0f} s", flush=True)
         code = "import sys; from importlib.metadata import version as v; print(*map(v, sys.argv[1:]))"
         found = subprocess.run([python, "-c", code, *client.shown], capture_output=True, text=True, check=True)
         versions = ", ".join(" ".join(pair) for pair in zip(client.shown, found.stdout.split(), strict=True))
@@ -100,7 +142,7 @@ def _ran(client: Client, folder: Path, install_s: float, run_s: float) -> tuple[
     started = time.monotonic()
     try:
         done = subprocess.run(
-            [python, Path(__file__).with_name(client.script), *client.arguments],
+            [python, Path(__file__).with_name(client.script)],
             capture_output=True, text=True, errors="replace", timeout=run_s, env=environment, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
@@ -110,7 +152,7 @@ def _ran(client: Client, folder: Path, install_s: float, run_s: float) -> tuple[
     if done.returncode:
         last = ([line for line in done.stderr.splitlines() if line.strip()] or lines)[-1]
         return versions, f"FAILED: {_cell(last)}", False
-    print(f"{time.monotonic() - started:.0f} s")
+    print(f"ran in {time.monotonic() - started:.0f} s")
     return versions, _cell("; ".join(said)), True
 
 
