@@ -1,4 +1,8 @@
-"""Checks a record against itself and the world: metrics from its tables, and a sample of its episodes flown again."""
+"""Checks a record against itself and the world.
+
+Metrics are computed again from its tables; a sample of its episodes, and of the flights that it keeps for its page, is
+flown again.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +25,7 @@ from rss_gym.eval.metrics import METRICS
 from rss_gym.eval.policies import Entry, entry, innermost
 from rss_gym.eval.reading import Policy, Record, definition, load
 from rss_gym.eval.records import versions
+from rss_gym.eval.reflown import differences, kept, sampled
 from rss_gym.eval.suites import SUITES, Suite, find
 from rss_gym.eval.workers import NOMINAL, fly_blocks
 from rss_gym.params import ParamsError
@@ -78,6 +83,8 @@ class Verdict:
         Policy -> number of its episodes flown again.
     not_flown : dict
         Policy -> why it was not.
+    flights : int
+        How many of the flights that are kept for the page were flown again.
     seed : int
         Of the sample of episodes flown again; with it the same sample is drawn.
     differences : list of Difference
@@ -90,6 +97,7 @@ class Verdict:
     episodes: int
     seed: int = 0
     metrics: int = 0
+    flights: int = 0
     flown: dict[str, int] = field(default_factory=dict)
     not_flown: dict[str, str] = field(default_factory=dict)
     differences: list[Difference] = field(default_factory=list)
@@ -124,14 +132,14 @@ def verify(
     workers: int = 1,
     progress: bool | None = None,
 ) -> Verdict:
-    """Recompute every metric of a record from its tables, and fly some of its episodes again.
+    """Recompute every metric of a record from its tables, and fly some of its episodes and kept flights again.
 
     Parameters
     ----------
     folder : path
         The record.
     every : bool
-        Fly all episodes again, not 1 %.
+        Fly all episodes and kept flights again, not 1 % of the ones and ten of the others.
     trust : bool
         Also build policies given as `module:attribute`, which runs code of that module.
     seed : int
@@ -166,7 +174,7 @@ def examine(
     verdict.versions = {
         name: [text, present[name]] for name, text in record.versions.items() if present.get(name, text) != text
     }
-    suite = definition(record)
+    suite, flights = definition(record), kept(record)
     verdict.differences += list(_suite_differences(record, suite))
     found = metrics_differences(record, suite)
     verdict.metrics = sum(len(policy.metrics) for policy in record.policies)
@@ -180,8 +188,15 @@ def examine(
     entries, verdict.not_flown, claims = entries_of(record, suite, trust)
     verdict.differences += claims
     numbers = sample(record, every, seed)
-    with progress_bar(progress, total=len(numbers) * len(entries), unit="flight") as bar:
+    flyers = {item.name: item for item in entries}
+    keys = sampled([key for key in flights if key[0] in flyers], every, seed)
+    with progress_bar(progress, total=len(numbers) * len(entries) + len(keys), unit="flight") as bar:
         _fly_again(record, suite, entries, numbers, workers, verdict, bar.update)
+        for name, episode in keys:
+            unlike = differences(record, flyers[name], episode, flights[name, episode])
+            verdict.differences += [Difference(name, *values, episode) for values in unlike]
+            verdict.flights += 1
+            bar.update(1)
     return verdict
 
 
@@ -350,6 +365,8 @@ def report(verdict: Verdict) -> str:
     for count in sorted(set(verdict.flown.values())):
         names = ", ".join(name for name, flown in verdict.flown.items() if flown == count)
         lines.append(f"flown again: {count} encounters of each of {names} (--seed {verdict.seed})")
+    if verdict.flights:
+        lines.append(f"flights of the page: {verdict.flights} flown again")
     lines += [f"NOT flown again: {name}: {reason}" for name, reason in verdict.not_flown.items()]
     lines += [f"differs: {difference}" for difference in verdict.differences[:SHOWN_MAX]]
     if len(verdict.differences) > SHOWN_MAX:

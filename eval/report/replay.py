@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
 from rss_gym.eval.evaluate import NOMINAL, Result, Scored
+from rss_gym.eval.policies import Entry
 from rss_gym.eval.report import series
 from rss_gym.eval.report.flights import Flown, ReplayFlight
 from rss_gym.pages.markup import renderer
@@ -72,7 +73,7 @@ def fly(result: Result) -> Flown:
             if name in failed or (name, episode) in flights:
                 continue
             try:
-                flights[name, episode] = again(result, one, row)
+                flights[name, episode] = again(scored.entry, result.suite.split, result.seed, scored.table[row])
             except PolicyError as error:
                 failed[name] = str(error)
     return Flown(flights, tuple(failed.values()))
@@ -111,13 +112,12 @@ def player(result: Result, flown: Flown) -> dict[str, Any]:
     }
 
 
-def again(result: Result, index: int, row: int) -> dict[str, Any]:
-    """One encounter of one policy, flown again, and whether it came out as scored."""
-    scored, flight = result.policies[index], ReplayFlight()
-    entry, number = scored.entry, int(scored.table["episode"][row])
-    block = Block(result.suite.split, result.seed, [number])
+def again(entry: Entry, split: str, seed: int, row: np.void) -> dict[str, Any]:
+    """The encounter of a row of a policy's table, flown again, and whether it came out as scored."""
+    flight = ReplayFlight()
+    block = Block(split, seed, [int(row["episode"])])
     table, _ = fly_episodes(entry.policy, entry.name, entry.params, block, watch=flight)
-    same = all(table[0][name] == scored.table[row][name] for name in SAME)
+    same = all(bool(table[0][name] == row[name]) for name in SAME)
     return {"same": same, **flight.to_dict()}
 
 

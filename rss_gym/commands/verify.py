@@ -7,13 +7,15 @@ import json
 
 from rss_gym.commands.shared import add_workers, see_modules_here
 
-HELP = "recompute a record's metrics and fly some of its episodes again (exit 1: it differs, 3: incomplete)"
+HELP = "recompute a record's metrics and fly some of its flights again (exit 1: it differs, 3: incomplete)"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("folder", metavar="DIR", help="folder with scores.json")
-    parser.add_argument("--all", action="store_true", dest="every", help="fly all episodes again, not 1 %% of them")
+    parser.add_argument(
+        "--all", action="store_true", dest="every", help="fly all episodes and kept flights again, not a sample"
+    )
     parser.add_argument("--seed", type=int, help="draws that sample of episodes again (default: a new one each time)")
     parser.add_argument("--trust", action="store_true", help="run the code of policies given as module:attribute too")
     add_workers(parser)

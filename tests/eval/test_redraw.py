@@ -11,6 +11,8 @@ from rss_gym.eval import evaluate, fly, merge, records, report
 from rss_gym.eval.reading import RecordError, load, read_flights
 from rss_gym.eval.redraw import redraw
 from rss_gym.eval.report import replay
+from rss_gym.eval.verify import report as verify_report
+from rss_gym.eval.verify import verify
 
 
 @pytest.fixture(scope="module")
@@ -171,3 +173,69 @@ def test_information_that_the_world_does_not_give(folder):
     file.write_text(file.read_text().replace('"information": "oracle"', '"information": "ranges"'))
     with pytest.raises(RecordError, match=r"scores\.json: information = 'ranges' of policy 'orca@oracle' must be one"):
         redraw(folder)
+
+
+def edited(folder, change):
+    file = folder / "flights.json"
+    content = json.loads(file.read_text())
+    change(content["flights"])
+    file.write_text(json.dumps(content))
+
+
+def test_kept_flights_are_flown_again(sound):
+    verdict = verify(sound)
+    assert verdict.verified and verdict.flights == 10
+    assert "flights of the page: 10 flown again" in verify_report(verdict)
+    assert verify(sound, every=True).flights == len(read_flights(load(sound)).flights) > 10
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        (lambda flight: flight["own"]["position"].__setitem__(-1, 12345), "flight.own.position["),
+        (lambda flight: flight["intruders"][0]["warning"].__setitem__(0, 7), "flight.intruders[0].warning[0]"),
+        (lambda flight: flight["least"].__setitem__(0, 3), "flight.least[0]"),
+        (lambda flight: flight.update(collision=not flight["collision"]), "flight.collision"),
+        (lambda flight: flight.update(same=False), "flight.same"),
+        (lambda flight: flight["times"].__setitem__(-1, 1e6), "flight.times["),
+    ],
+)
+def test_a_flight_that_was_not_flown_is_named(folder, change, what, capsys):
+    edited(folder, lambda flights: change(flights[3]))
+    verdict = verify(folder, every=True)
+    flight = json.loads((folder / "flights.json").read_text())["flights"][3]
+    (difference,) = verdict.differences
+    assert (difference.policy, difference.episode) == (flight["policy"], flight["episode"])
+    assert difference.what.startswith(what) and difference.recorded != difference.found
+    assert main(["verify", str(folder), "--all"]) == 1 and what in capsys.readouterr().out
+
+
+def test_a_flight_of_another_policy_is_seen(folder):
+    names = set()
+
+    def swap(flights):
+        one = next(flight for flight in flights if flight["policy"] == "brake")
+        two = next(f for f in flights if f["episode"] == one["episode"] and f is not one)
+        one["policy"], two["policy"] = two["policy"], one["policy"]
+        names.update((one["policy"], two["policy"]))
+
+    edited(folder, swap)
+    assert {one.policy for one in verify(folder, every=True).differences} == names
+
+
+def test_a_shorter_flight_is_seen(folder):
+    def cut(flights):
+        for name in ("times", "least"):
+            flights[0][name].pop()
+        for table in (flights[0]["own"], *flights[0]["intruders"]):
+            for name, values in table.items():
+                del values[-2 if name in ("position", "planned", "way_point", "message") else -1 :]
+
+    edited(folder, cut)
+    assert "length of flight.times" in {one.what for one in verify(folder, every=True).differences}
+
+
+def test_a_flight_of_no_encounter_of_the_record_is_refused(folder, capsys):
+    edited(folder, lambda flights: flights[0].update(episode=12))
+    assert main(["verify", str(folder)]) == 2
+    assert "flights.json: flights[0].episode = 12 must be a whole number in [0, 11]" in capsys.readouterr().err
