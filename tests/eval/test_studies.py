@@ -10,6 +10,8 @@ import pytest
 
 from rss_gym import cli
 from rss_gym.eval import studies
+from rss_gym.eval.columns import AIR
+from rss_gym.eval.studies import world
 from rss_gym.eval.studies.section import Criterion, Scale, Section
 from rss_gym.eval.studies.study import Job, Part, fly, read
 from rss_gym.eval.studies.world import leak, learning, order, radio, rows, sensor
@@ -82,7 +84,7 @@ def test_an_unknown_study_is_refused_by_name(capsys):
 
 def test_docs_hold_no_python_but_what_builds_the_site():
     found = {path.relative_to(ROOT / "docs").parts[0] for path in (ROOT / "docs").rglob("*.py")}
-    assert found <= {"conf.py", "extensions"}
+    assert found <= {"conf.py", "extensions", "gallery"}  # the last is made by the build, of examples/gallery
 
 
 def test_the_command_names_every_study(capsys):
@@ -148,3 +150,13 @@ def test_the_study_of_the_readme_gives_what_it_shows():
 def test_calibration_says_which_folder_it_needs(tmp_path, capsys):
     assert cli.main(["study", "calibration", str(tmp_path)]) == 2
     assert "has no folder 'ble_tracks'" in capsys.readouterr().err
+
+
+def test_titles_of_the_page_are_those_of_the_study():
+    """Until it is flown again, the page holds what the study would print today."""
+    page = (ROOT / "docs" / "world.md").read_text(encoding="utf-8")
+    assert page.startswith("\n".join(["# Study: world", "", world.page([]).splitlines()[2], ""]))
+    learned = ("policy", "decisions", "CPU s", *(AIR[metric].heading for metric in learning.METRICS))
+    for header in (rows.HEADER, learned):
+        assert f"\n| {' | '.join(header)} |\n" in page
+    assert "cost m" not in page

@@ -47,5 +47,9 @@ def sections(scale: Scale) -> Iterator[Section]:
 
 def page(found: Sequence[Section]) -> str:
     """The sections as a page of Markdown."""
-    command = "Made by `rss-gym study world --pages .`, which flies all of it anew."
+    command = (
+        "The claims behind the design of the world, measured. `rss-gym study world --pages .` flies all of it again "
+        "and writes this page. Below each table are its criteria, each met or MISSED; one that is marked as an aim "
+        "is wished for and not promised. [Concepts](concepts.md) explains the words."
+    )
     return "\n".join(["# Study: world", "", command, "", *(section.markdown for section in found)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rss_gym.eval.blind import cheapest as cheapest_blind
+from rss_gym.eval.columns import AIR
 from rss_gym.eval.studies.section import Criterion, Scale, Section
 from rss_gym.eval.studies.world.rows import ORCA, OTHERS, RULE, SEED, cheapest, fly, interval, value
 
@@ -36,11 +37,13 @@ def section(scale: Scale) -> Section:
                 costs[2] >= SCRIPTED * costs[0] and costs[2] >= RULES * costs[1],
             )
         )
+    cost = AIR["cost_m"].heading
     return Section(
         "Nothing blind leads",
-        f"{EPISODES:,} encounters a suite, seed {SEED}: constant displacements to 1,000 m in 16 directions, constant "
-        "velocities, stopping, running back, climbing and descending.",
-        ("suite", "best scripted", "cost m", "rule", "cost m", "best blind", "cost m", "over scripted", "over rule"),
+        f"A blind policy does not listen to the radio. {EPISODES:,} encounters a suite, seed {SEED}. The blind "
+        "policies are constant displacements of up to 1,000 m in 16 directions, constant velocities, stopping, "
+        "flying back, climbing and descending. The last two columns are ratios of costs.",
+        ("suite", "best scripted", cost, "rule", cost, "best blind", cost, "blind / scripted", "blind / rule"),
         rows,
         criteria,
     )

@@ -22,10 +22,10 @@ def section(scale: Scale) -> Section:
     rows.append(["mixed", "1", interval(mixed["collision_rate"], ".3f")])
     return Section(
         "The encounters",
-        f"Policy `none`, {EPISODES:,} encounters a family and {scale.episodes:,} of all, seed {SEED}. The weights are "
+        f"Policy `none`, {EPISODES:,} encounters a family and {scale.episodes:,} of all, seed {SEED}. The weights were "
         "chosen so that about 40 % of the encounters end in a collision if nobody acts, and so that intruders come "
         "from every side.",
-        ("family", "weight", "collision rate of none"),
+        ("family", "weight", "collisions of `none`"),
         rows,
         [
             Criterion(

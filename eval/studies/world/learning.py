@@ -7,11 +7,13 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
+from rss_gym.eval.columns import AIR
 from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.studies.section import Criterion, Scale, Section
-from rss_gym.eval.studies.world.rows import ORCA, OTHERS, RULE, SEED, Scores, cheapest, fly, interval, value
+from rss_gym.eval.studies.world.rows import ORCA, OTHERS, RULE, SEED, Scores, cells, cheapest, fly, value
 
 EPISODES = 10_000
+METRICS = ("cost_m", "collision_rate", "path_deviation_mean_m")
 # Only being near is priced: collisions are too rare to learn from, and their price is mostly noise.
 WORLD: dict[str, Any] = {
     "collision_price_m": 0.0,
@@ -28,20 +30,21 @@ def section(scale: Scale) -> Section:
     with ProcessPoolExecutor(scale.workers, mp_context=multiprocessing.get_context("spawn")) as pool:
         runs = list(pool.map(trained, range(scale.seeds), [scale.decisions] * scale.seeds))
     rows = [
-        [f"PPO, seed {seed}", f"{decisions:,}", f"{cpu_s:.0f}", *cells(scores)]
+        [f"PPO, seed {seed}", f"{decisions:,}", f"{cpu_s:.0f}", *cells(scores, METRICS)]
         for seed, run in enumerate(runs)
         for decisions, cpu_s, scores in run
     ]
     found = fly(ORCA + OTHERS + RULE, scale, episodes=EPISODES)
     best, rule = (cheapest({name: found[name] for name in names}) for names in (found, RULE))
-    rows += [[name, "", "", *cells(found[name])] for name in (best, rule)]
+    rows += [[name, "", "", *cells(found[name], METRICS)] for name in (best, rule)]
     last = [value(run[-1][2], "cost_m") for run in runs]
     costs = ", ".join(f"{cost:.1f}" for cost in last)
     return Section(
         "Standard RL learns",
-        f"`examples/sb3_ppo.py`: {scale.decisions:,} decisions a seed, each on one core, CPU seconds of that process; "
-        f"scores of deterministic actions on {EPISODES:,} encounters, seed {SEED}.",
-        ("policy", "decisions", "CPU s", "cost m", "collision rate", "mean deviation m"),
+        f"`examples/sb3_ppo.py` trains for {scale.decisions:,} decisions with each seed, on one core; the seconds "
+        f"are processor time of that process. Each row is scored with deterministic actions on {EPISODES:,} "
+        f"encounters, seed {SEED}.",
+        ("policy", "decisions", "CPU s", *(AIR[metric].heading for metric in METRICS)),
         rows,
         [
             Criterion(
@@ -52,12 +55,6 @@ def section(scale: Scale) -> Section:
             for name, policy, aim in (("rule", rule, ""), ("best scripted policy", best, " (aim)"))
         ],
     )
-
-
-def cells(scores: Scores) -> list[str]:
-    """Cost, collision rate and deviation."""
-    metrics = (("cost_m", ".2f"), ("collision_rate", ".2e"), ("path_deviation_mean_m", ".2f"))
-    return [interval(scores[name], form) for name, form in metrics]
 
 
 def trained(seed: int, decisions: int) -> list[tuple[int, float, Scores]]:

@@ -19,8 +19,9 @@ def section(scale: Scale) -> Section:
             rows.append(row(best, f"{side_m:g} m", found[best]))
     return Section(
         "The nodes' square",
-        f"Suite `encounter-v0` with other sides of the nodes' square, {EPISODES:,} encounters, seed {SEED}, each rule "
-        "at its cheapest radius. The world takes 300 m: the nodes stand outside the area in which the aircraft meet.",
+        "The reference nodes, by which the aircraft find their positions, stand on the corners of a square. Suite "
+        f"`encounter-v0` with three sides of that square, {EPISODES:,} encounters, seed {SEED}, each policy at its "
+        "cheapest radius. The default is 300 m: the nodes then stand outside the area in which the aircraft meet.",
         HEADER,
         rows,
     )

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from rss_gym import baselines
+from rss_gym.eval.columns import AIR
 from rss_gym.eval.episodes import Block, checked, command, start
 from rss_gym.eval.studies.section import Criterion, Scale, Section
 from rss_gym.eval.studies.world.rows import SEED
@@ -29,8 +30,9 @@ def section(scale: Scale) -> Section:
     rank = float(spearmanr(returns, -costs).statistic)
     return Section(
         "Return and cost order policies alike",
-        f"`rss_gym/Encounter-v0`, {EPISODES:,} encounters of split suite, seed {SEED}; undiscounted returns.",
-        ("policy", "mean return", "mean cost m"),
+        f"`rss_gym/Encounter-v0`, {EPISODES:,} encounters of the split `suite`, seed {SEED}; the returns are not "
+        "discounted.",
+        ("policy", "mean return", f"mean {AIR['cost_m'].heading}"),
         [
             [name, f"{one:.3f}", f"{other:.3f}"]
             for name, (one, other) in sorted(found.items(), key=lambda item: item[1][1])

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from rss_gym.eval.columns import AIR
 from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.studies.section import Scale
 
-HEADER = ("policy", "world", "cost m", "collision rate", "sNMAC rate", "mean deviation m")
+METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
+HEADER = ("policy", "world", *(AIR[metric].heading for metric in METRICS))
 SEED = 930_000_101  # not the one that policies were tuned on
 ORCA = [f"orca:radius_m={radius}" for radius in (15, 20, 25, 30)]
 OTHERS = ["mvp", "cbf", "mpc"]
@@ -51,11 +54,9 @@ def interval(estimate: Estimate, form: str) -> str:
 
 def row(name: str, params: str, scores: Scores) -> list[str]:
     """Cells of `HEADER`."""
-    return [
-        name,
-        params,
-        interval(scores["cost_m"], ".2f"),
-        interval(scores["collision_rate"], ".2e"),
-        interval(scores["snmac_rate"], ".2e"),
-        interval(scores["path_deviation_mean_m"], ".2f"),
-    ]
+    return [name, params, *cells(scores, METRICS)]
+
+
+def cells(scores: Scores, metrics: Sequence[str]) -> list[str]:
+    """Each metric with its interval, as the tables of scores show it."""
+    return [interval(scores[metric], AIR[metric].form) for metric in metrics]

@@ -24,7 +24,10 @@ def ratio(one: float, other: float, count: int) -> str:
 def sections(scale: Scale) -> Iterator[Section]:
     """Estimators, then trackers, each with the rule and `orca` at their cheapest radius."""
     tuned = [cheapest(fly(names, scale, episodes=5000)) for names in (ORCA, RULE)]
-    how = f"Suite `encounter-v0`, {scale.episodes:,} encounters, seed {SEED}; radii: the cheapest of 5,000."
+    how = (
+        f"Suite `encounter-v0`, {scale.episodes:,} encounters, seed {SEED}; each policy at the radius that was "
+        "cheapest in 5,000."
+    )
     by_estimator = {name: fly(tuned, scale, estimator=name) for name in ESTIMATORS}
     yield Section(
         "The estimator decides",
