@@ -22,10 +22,11 @@ from rss_gym.world import advance_clock, move_aircraft
 
 DIFFERENCE = 0.05  # m, m/s, or share of the speed limit
 PARTS = 3  # of the state: position, velocity, way point
-EVENTS = ("snmac", "collision")
-"""What the two separations are for. That of an sNMAC is below its horizontal limit where both of its limits are
-undercut: the greater of the horizontal distance and of the height, scaled by the ratio of the limits, at the ticks.
-That of a collision is the distance itself, between the ticks too."""
+EVENTS = ("snmac", "collision", "manoeuvre")
+"""Each happens where a margin falls below a limit. The margin of an sNMAC is below its horizontal limit where both of
+its limits are undercut: the greater of the horizontal distance and of the height, scaled by the ratio of the limits,
+at the ticks. That of a collision is the distance itself, between the ticks too. That of a manoeuvre is minus the
+distance from the predefined trajectory, at the ticks."""
 
 
 class StepSensitivity(NamedTuple):
@@ -39,9 +40,9 @@ class StepSensitivity(NamedTuple):
         Derivative of the state after the step by each input.
     deviation_slope : (n, S + A) array
         Of the distance from the predefined trajectory, summed over the ticks of the step, m.
-    least_m : (n, 2) array
-        Least separations from any intruder in the step, m: by `EVENTS`.
-    least_slope : (n, S + A, 2) array
+    least_m : (n, 3) array
+        Least margins in the step, from any intruder, m: by `EVENTS`.
+    least_slope : (n, S + A, 3) array
         Of these.
     """
 
@@ -114,7 +115,7 @@ def _differentiate(
     size = PARTS * axes
     e, block_ = episode[0], block[0]
     stretch = config.snmac_horizontal_m / config.snmac_vertical_m
-    least = np.empty((1 + size + axes, 2))
+    least = np.empty((1 + size + axes, len(EVENTS)))
     for i in range(len(rows)):
         row = rows[i]
         present = 1 + episodes[row].intruders
@@ -124,7 +125,7 @@ def _differentiate(
             for axis in range(3):  # the gusts of the step were drawn at its start
                 aircraft[a].gust_mps[axis] = after[row, a].gust_mps[axis]
         for r in range(block_.rows):
-            least[r, 0] = least[r, 1] = inf
+            least[r] = inf
             block_.deviation_m[r] = block_.deviation_max_m[r] = block_.flown_m[r] = 0.0
             for a in range(present):
                 load_aircraft(lanes[a], r, aircraft[a])
@@ -149,7 +150,9 @@ def _differentiate(
                     level = sqrt(p[0, r] * p[0, r] + p[1, r] * p[1, r])
                     least[r, 0] = min(least[r, 0], max(level, stretch * abs(p[2, r])))
                     least[r, 1] = min(least[r, 1], contacts[k].least_m[r])
-        found.least_m[i, 0], found.least_m[i, 1] = least[0, 0], least[0, 1]
+        for r in range(block_.rows):
+            least[r, 2] = -block_.deviation_max_m[r]
+        found.least_m[i] = least[0]
         for axis in range(axes):
             found.state[i, axis] = lanes[0].position_m[axis, 0]
             found.state[i, axes + axis] = lanes[0].velocity_mps[axis, 0]
@@ -157,7 +160,7 @@ def _differentiate(
         for j in range(size + axes):
             r, step = 1 + j, DIFFERENCE if j < size else inwards(actions[row, j - size])
             found.deviation_slope[i, j] = (block_.deviation_m[r] - block_.deviation_m[0]) / step
-            for event in range(2):
+            for event in range(len(EVENTS)):
                 found.least_slope[i, j, event] = (least[r, event] - least[0, event]) / step
             for axis in range(axes):
                 found.state_slope[i, j, axis] = (lanes[0].position_m[axis, r] - found.state[i, axis]) / step

@@ -112,11 +112,14 @@ class Pathwise(Group):
         Width of the logistic functions that stand for the steps of the cost at an sNMAC and a collision.
     gradient_limit_m : float
         Greatest gradient of a flight's cost by the action of one decision.
+    manoeuvre_price_m : float
+        Of a flight that leaves its path by more than 3 m, on top of its cost.
     """
 
     learning_rate: Schedule = field(default=Schedule(3e-3), metadata=within(1e-8, 1.0))
     softness_m: float = number(1.5, 0.01, 100.0)
     gradient_limit_m: float = number(20.0, 1e-3, 1e6)
+    manoeuvre_price_m: float = number(0.0, 0.0, 1e6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,11 +14,11 @@ from rss_gym.params import Params, ParamsError  # noqa: E402
 from rss_gym.sb3 import make_vec_env  # noqa: E402
 from rss_gym.train import actor, recipe, run  # noqa: E402
 from rss_gym.train.pathwise import Pathwise  # noqa: E402
-from rss_gym.train.pathwise.flights import fly, gradient, least_separations  # noqa: E402
+from rss_gym.train.pathwise.flights import fly, gradient, least_margins  # noqa: E402
 from rss_gym.train.pathwise.jacobian import actions_with_jacobian  # noqa: E402
 from rss_gym.train.pathwise.price import SmoothPrice  # noqa: E402
 
-PRICE = SmoothPrice((100.0, 10_000.0), (15.24, 4.5), (3.0, 3.0))
+PRICE = SmoothPrice((100.0, 10_000.0, 20.0), (15.24, 4.5, -3.0), (3.0, 3.0, 1.0))
 
 
 def model_of(activation=torch.nn.Tanh, **world):
@@ -38,22 +38,23 @@ def test_the_jacobian_of_the_actor_is_autograds(activation):
 
 
 def test_the_smooth_price_is_half_at_each_limit_and_falls_with_separation():
-    price = SmoothPrice((100.0, 0.0), (15.24, 4.5), (1.5, 1.5))
+    price = SmoothPrice((100.0, 0.0, 20.0), (15.24, 4.5, -3.0), (1.5, 1.5, 1.0))
     d = np.linspace(0.0, 40.0, 4001)
-    slope = price.slope(np.stack([d, d], axis=1))
+    slope = price.slope(np.stack([d, d, -d], axis=1))
     total = np.cumsum(slope[:, 0]) * (d[1] - d[0])
     assert np.all(slope <= 0.0) and np.all(slope[:, 1] == 0.0)
+    assert np.argmin(slope[:, 2]) == 300
     assert total[1524] == pytest.approx(-50.0, abs=0.2)
     assert total[-1] == pytest.approx(-100.0, abs=0.2)
-    assert abs(price.slope(np.array([[np.inf, np.inf]]))[0, 0]) < 1e-20
+    assert abs(price.slope(np.array([[np.inf, np.inf, np.inf]]))[0, 0]) < 1e-20
 
 
 def cost(batch, decisions, price):
     """What `gradient` differentiates, of each flight."""
-    least, _ = least_separations(batch.n, decisions)
+    least, _ = least_margins(batch.n, decisions)
     near = sum(
         price.prices_m[event] / (1.0 + np.exp((least[:, event] - price.limits_m[event]) / price.softness_m[event]))
-        for event in range(2)
+        for event in range(3)
     )
     return batch.episode["deviation_sum_m"] / batch.episode["ticks"] + near
 
@@ -68,7 +69,7 @@ def flown(policy, price):
 @pytest.mark.parametrize("near", [False, True])
 def test_the_gradient_is_the_slope_of_the_cost_over_flights_of_the_world(near):
     """With true states for observations nothing is left out; off its path |u - u^d| is smooth."""
-    price = PRICE if near else SmoothPrice((0.0, 0.0), PRICE.limits_m, PRICE.softness_m)
+    price = PRICE if near else SmoothPrice((0.0, 0.0, 0.0), PRICE.limits_m, PRICE.softness_m)
     policy = model_of(information="oracle").policy
     with torch.no_grad():
         policy.action_net.bias.copy_(torch.tensor([-0.1, 0.05]))

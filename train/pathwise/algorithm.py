@@ -17,7 +17,7 @@ from rss_gym.params import ParamsError
 from rss_gym.sb3 import EncounterVecEnv
 from rss_gym.train import actor
 from rss_gym.train.masked import Masked
-from rss_gym.train.pathwise.flights import fly, gradient, least_separations
+from rss_gym.train.pathwise.flights import fly, gradient, least_margins
 from rss_gym.train.pathwise.price import SmoothPrice
 
 CHUNK = 1 << 16  # observations that the network is differentiated on at a time
@@ -38,6 +38,8 @@ class Pathwise(BaseAlgorithm):
         Of the smooth price, see `SmoothPrice`.
     gradient_limit_m : float
         Greatest gradient of the cost by one decision's action.
+    manoeuvre_price_m : float
+        Of a flight that leaves its path, so that it does so only where it pays.
     policy_kwargs, stats_window_size, tensorboard_log, verbose, device, seed
         As in Stable-Baselines3.
 
@@ -56,6 +58,7 @@ class Pathwise(BaseAlgorithm):
         learning_rate: Any = 3e-3,
         softness_m: float = 1.5,
         gradient_limit_m: float = 20.0,
+        manoeuvre_price_m: float = 0.0,
         policy_kwargs: dict[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
@@ -76,7 +79,7 @@ class Pathwise(BaseAlgorithm):
             support_multi_env=True,
             seed=seed,
         )
-        self.softness_m, self.gradient_limit_m = softness_m, gradient_limit_m
+        self.softness_m, self.gradient_limit_m, self.manoeuvre_price_m = softness_m, gradient_limit_m, manoeuvre_price_m
         if _init_setup_model:
             self._setup_model()
 
@@ -107,8 +110,8 @@ class Pathwise(BaseAlgorithm):
             batch, fields = self._rows()
             decisions = fly(batch, self.policy, fields)
             self.num_timesteps += sum(len(decision.rows) for decision in decisions)
-            price = SmoothPrice.of(batch.params, self.softness_m)
-            self._record(batch, least_separations(batch.n, decisions)[0][:, 1] < batch.params.zone.collision_m)
+            price = SmoothPrice.of(batch.params, self.softness_m, self.manoeuvre_price_m)
+            self._record(batch, least_margins(batch.n, decisions)[0][:, 1] < batch.params.zone.collision_m)
             callback.update_locals(locals())
             if not callback.on_step():
                 break

@@ -5,7 +5,7 @@ Notation: x_n is the agent's state before step n, a_n the action, K_n = da_n/dx_
     dJ/da_n = dc_n/da_n + B_n^T l_(n+1),        l_n = dc_n/dx_n + A_n^T l_(n+1) + K_n^T dJ/da_n
 
 with A_n and B_n the derivatives of x_(n+1) by x_n and a_n, and c_n the part of the cost that step n makes: deviation
-over the length of the flight, and the smooth prices of the least separations that are reached in this step.
+over the length of the flight, and the smooth prices of the least margins that are reached in this step.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Decision:
 def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
     """Fly the next episode of every row to its end, by mean actions, and through collisions.
 
-    A flight that a collision ended would not show how deep it went, and its least separation would hang on the tick.
+    A flight that a collision ended would not show how deep it went, and its least margin would hang on the tick.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def gradient(
     `limit_m` bounds the length of each decision's gradient, and ten times as much that of l.
     """
     size = decisions[0].step.state.shape[1]
-    least, last = least_separations(batch.n, decisions)
+    least, last = least_margins(batch.n, decisions)
     slope, length = price.slope(least), batch.episode["ticks"].astype(np.float64)
     forward = np.zeros((batch.n, size))  # l of the next step
     observations, gradients = [], []
@@ -115,8 +115,8 @@ def gradient(
     return torch.cat(observations), torch.cat(gradients)
 
 
-def least_separations(n: int, decisions: list[Decision]) -> tuple[np.ndarray, np.ndarray]:
-    """Least separations of each flight by `EVENTS`, m, and the decisions in which they are reached; both (n, 2)."""
+def least_margins(n: int, decisions: list[Decision]) -> tuple[np.ndarray, np.ndarray]:
+    """Least margins of each flight by `EVENTS`, m, and the decisions in which they are reached; both (n, 3)."""
     least, last = np.full((n, len(EVENTS)), np.inf), np.zeros((n, len(EVENTS)), np.int64)
     for number, decision in enumerate(decisions):
         rows, found = decision.rows, decision.step.least_m
