@@ -28,6 +28,7 @@ from rss_gym.baselines.orca import Orca
 from rss_gym.baselines.orthogonal import Orthogonal
 from rss_gym.baselines.policy import Nothing, Policy, Random, Scripted
 from rss_gym.baselines.policy_files import DOCUMENT
+from rss_gym.baselines.qmdp import Qmdp
 from rss_gym.baselines.reflexes import Brake, RightTurn
 from rss_gym.baselines.shipped import AGENTS
 from rss_gym.domain import AIR, ROAD, domain_of
@@ -62,6 +63,7 @@ _SHIPPED: dict[str, type[Scripted]] = {
     "mvp": Mvp,
     "cbf": Cbf,
     "mpc": Mpc,
+    "qmdp": Qmdp,
     "constant": Constant,
     "velocity": Velocity,
     "climb": Climb,
