@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from rss_gym.avoidance.qmdp import expected, solve
+from rss_gym.avoidance.qmdp import solve, value
 from rss_gym.baselines.intruders import intruders
 from rss_gym.baselines.policy import Scripted, vectors
 from rss_gym.baselines.velocity_rule import HEIGHT_M
@@ -22,7 +22,7 @@ SPEEDS = (0.0, 0.25, 0.5, 0.75, 1.0, -0.25, -0.5, -0.75, -1.0)  # of the candida
 
 
 @lru_cache(maxsize=8)
-def table_of(params: Params, drift_mps: float, std_m: float, flight_s: float) -> np.ndarray:
+def table_of(params: Params, drift_mps: float, flight_s: float) -> np.ndarray:
     """V of a world, see `rss_gym.avoidance.qmdp.solve`; the speed is the one that its fastest cruise leaves across."""
     reward, zone, aircraft = params.reward, params.zone, params.aircraft
     across_mps = sqrt(max(aircraft.speed_max_mps**2 - params.encounter.cruise_max_mps**2, 1.0))
@@ -31,7 +31,6 @@ def table_of(params: Params, drift_mps: float, std_m: float, flight_s: float) ->
         np.array([zone.snmac_horizontal_m, zone.collision_m]),
         across_mps,
         drift_mps,
-        std_m,
         flight_s,
         params.clock.decision_s,
         round(LOOKAHEAD_S / params.clock.decision_s),
@@ -43,7 +42,7 @@ def table_of(params: Params, drift_mps: float, std_m: float, flight_s: float) ->
 @kernel
 def _choose(
     table, way_point, cruise, known, position, velocity, bearing_std, across_std,
-    sigmas, std_m, lag_s, hold_s, step_s, speed_mps, out,
+    sigmas, lag_s, hold_s, step_s, speed_mps, out,
 ):  # fmt: skip
     """Write the velocity of least expected cost into each row of `out` (n, 3), m/s; homing where no intruder counts.
 
@@ -67,7 +66,7 @@ def _choose(
             along = (p[0] * n[met, 0] + p[1] * n[met, 1]) / distance  # cosine of n and the bearing
             square = along * along * bearing_std[row, k] ** 2 + (1.0 - along * along) * across_std[row, k] ** 2
             time[met] = max(left - lag_s - step_s, 0.0)
-            std[met] = sigmas * sqrt(max(square - std_m * std_m, 0.0))
+            std[met] = sigmas * sqrt(square)
             miss[met] = (p[0] + w[0]) * n[met, 0] + (p[1] + w[1]) * n[met, 1]
             met += 1
         least = np.inf
@@ -81,13 +80,12 @@ def _choose(
                     speed_mps, 1.0,
                 )  # fmt: skip
                 x, y = w[0] + (vx - cruise[row]) * step_s, w[1] + vy * step_s
-                value = 0.0
+                total = 0.0
                 for k in range(met):
-                    value += expected(
-                        table, time[k], x * n[k, 0] + y * n[k, 1], miss[k], std[k], step_s, HALF_M, CELL_M
-                    )
-                if value < least:
-                    least, out[row, 0], out[row, 1] = value, vx, vy
+                    to = x * n[k, 0] + y * n[k, 1]
+                    total += value(table, std[k], time[k], to, miss[k], step_s, HALF_M, CELL_M)
+                if total < least:
+                    least, out[row, 0], out[row, 1] = total, vx, vy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +112,6 @@ class Qmdp(Scripted):
 
     sigmas: float = number(1.0, 0.0, 10.0)
     drift_mps: float = number(0.2, 0.0, 10.0)
-    std_m: float = number(2.0, 0.01, 100.0)
     lag_s: float = number(1.5, 0.0, 20.0)
     hold_s: float = number(2.0, 0.0, 60.0)
     flight_s: float = number(60.0, 1.0, 3600.0)
@@ -123,7 +120,7 @@ class Qmdp(Scripted):
         """The velocity of least expected cost."""
         others, out = intruders(seen), np.empty((len(memory), 3))
         _choose(
-            table_of(self.params, self.drift_mps, self.std_m, self.flight_s),
+            table_of(self.params, self.drift_mps, self.flight_s),
             vectors(seen, "way_point", "m"),
             np.ascontiguousarray(seen["cruise_mps"]),
             others.known & (np.abs(others.position_m[..., 2]) < HEIGHT_M),
@@ -132,7 +129,6 @@ class Qmdp(Scripted):
             seen["track_std_along_m"],
             seen["track_std_across_m"],
             self.sigmas,
-            self.std_m,
             self.lag_s,
             self.hold_s,
             self.params.clock.decision_s,

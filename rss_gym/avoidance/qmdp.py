@@ -1,29 +1,29 @@
-"""QMDP: value iteration for one intruder whose miss is known, flown on a belief of the miss.
+"""A table of values for one intruder, and its value on the belief of a track, in the spirit of QMDP.
 
 Straight flight of both leads to a miss m, signed, along a unit vector n across the relative velocity, in a time t. The
-own aircraft can displace its way point by w along n, so that the separation at the closest approach is |m - w|. The
-table holds the least expected cost V(t, w, m): backwards from t = 0,
+own aircraft can displace its way point by w along n, so that the separation at the closest approach is |m - w|. For a
+standard deviation s of the miss the table holds the least expected cost V(t, w, m) of its mean m, by value iteration
+backwards from t = 0,
 
-    V(0, w, m) = price(|m - w|) + w^2 / (2 u T)
-    V(t, w, m) = min over u' in [-u, u] of |w'| dt / T + E V(t - dt, w', m + t a e),    w' = w + u' dt
+    V(0, w, m) = E price(|m + s e - w|) + w^2 / (2 u T)
+    V(t, w, m) = min over u' in [-u, u] of |w'| dt / T + E V(t - dt, w', m + sqrt(t^2 - (t - dt)^2) a e),
+        w' = w + u' dt
 
-with T the length of a flight, u the speed across the path, a the noise of the other's velocity in m/s over dt, and e
-a standard normal number. Littman, Cassandra and Kaelbling (1995) take the mean of V over the belief for the value of
-an action, as if the state were known from the next step on. That is optimistic, but it is exact where waiting tells all.
+with T the length of a flight, u the speed across the path, a the standard deviation of the other's velocity, whose
+part of the miss is known better as t gets shorter, and e a standard normal number.
+
+Littman, Cassandra and Kaelbling (1995) take the mean of V over the belief as if the state were known from the next step
+on. Where a position stays uncertain to the end, as here, that waits too long; so the part s is held.
 """
 
-from math import erf, floor, sqrt
+from math import erf, floor, log2, sqrt
 
 import numpy as np
 
 from rss_gym.jit import kernel
 
 ACTIONS = 9  # speeds across the path in [-u, u]
-# Points and weights of Gauss and Hermite for the mean over a normal distribution.
-NODES = np.array([0.0, 1.1544053947399682, -1.1544053947399682, 2.3667594107345416, -2.3667594107345416,
-                  3.7504397177257425, -3.7504397177257425])  # fmt: skip
-WEIGHTS = np.array([0.45714285714285714, 0.2401231786050126, 0.2401231786050126, 0.030757123967586491,
-                    0.030757123967586491, 0.00054826885597221841, 0.00054826885597221841])  # fmt: skip
+SPREADS = 5  # standard deviations of the table: 1, 2, 4, 8, 16 m
 
 
 @kernel(inline="always")
@@ -38,57 +38,64 @@ def between(table, x, y):
 
 
 @kernel
-def solve(prices_m, limits_m, speed_mps, drift_mps, std_m, flight_s, step_s, steps, half_m, cell_m):
-    """The table V (1 + steps, cells, cells), m: by time in steps of `step_s`, then w and m in [-half_m, half_m].
+def solve(prices_m, limits_m, speed_mps, drift_mps, flight_s, step_s, steps, half_m, cell_m):
+    """The table V (`SPREADS`, 1 + steps, cells, cells), m: by s, t in steps of `step_s`, w and m in [-half_m, half_m].
 
     Parameters
     ----------
     prices_m, limits_m : (2,) array
         Of an sNMAC and a collision: what they cost, and the separations below which they happen.
-    speed_mps, noise_mps, flight_s : float
+    speed_mps, drift_mps, flight_s : float
         u, a and T.
     step_s, steps, half_m, cell_m
         The grid.
     """
     cells = 1 + 2 * int(round(half_m / cell_m))
-    table = np.empty((1 + steps, cells, cells))
+    table = np.empty((SPREADS, 1 + steps, cells, cells))
+    for k in range(SPREADS):
+        _iterate(table[k], prices_m, limits_m, 2.0**k, speed_mps, drift_mps, flight_s, step_s, half_m, cell_m)
+    return table
+
+
+@kernel
+def _iterate(table, prices_m, limits_m, std_m, speed_mps, drift_mps, flight_s, step_s, half_m, cell_m):
+    steps, cells = table.shape[0] - 1, table.shape[1]
     for i in range(cells):
         w = i * cell_m - half_m
         for j in range(cells):
-            miss = j * cell_m - half_m - w
-            value = w * w / (2.0 * speed_mps * flight_s)
+            miss, value = j * cell_m - half_m - w, w * w / (2.0 * speed_mps * flight_s)
             for event in range(2):
-                low, high = -limits_m[event] - miss, limits_m[event] - miss
-                value += 0.5 * prices_m[event] * (erf(high / (sqrt(2.0) * std_m)) - erf(low / (sqrt(2.0) * std_m)))
+                low, high = (-limits_m[event] - miss) / std_m, (limits_m[event] - miss) / std_m
+                value += 0.5 * prices_m[event] * (erf(high / sqrt(2.0)) - erf(low / sqrt(2.0)))
             table[0, i, j] = value
-    spread = np.empty((cells, cells))
+    mean = np.empty((cells, cells))
     for n in range(1, 1 + steps):
+        # Three points of Gauss and Hermite: weights 1/6, 2/3, 1/6.
         offset = sqrt(3.0 * (2 * n - 1)) * drift_mps * step_s / cell_m
         for i in range(cells):
             for j in range(cells):
                 sides = between(table[n - 1], i, j - offset) + between(table[n - 1], i, j + offset)
-                spread[i, j] = (4.0 * table[n - 1, i, j] + sides) / 6.0
+                mean[i, j] = (4.0 * table[n - 1, i, j] + sides) / 6.0
         for i in range(cells):
             for j in range(cells):
                 least = np.inf
                 for action in range(ACTIONS):
                     to = i + (2.0 * action / (ACTIONS - 1) - 1.0) * speed_mps * step_s / cell_m
                     to = min(max(to, 0.0), cells - 1.0)
-                    value = abs(to * cell_m - half_m) * step_s / flight_s + between(spread, to, j)
-                    least = min(least, value)
+                    least = min(least, abs(to * cell_m - half_m) * step_s / flight_s + between(mean, to, j))
                 table[n, i, j] = least
-    return table
 
 
 @kernel
-def expected(table, time_s, w_m, miss_m, std_m, step_s, half_m, cell_m):
-    """The mean of V over a miss that is normal with this mean and standard deviation, m."""
-    at = min(max(time_s / step_s, 0.0), table.shape[0] - 1.0)
-    n = min(int(floor(at)), table.shape[0] - 2)
-    share, total = at - n, 0.0
-    x = (w_m + half_m) / cell_m
-    for node in range(len(NODES)):
-        y = (miss_m + std_m * NODES[node] + half_m) / cell_m
-        value = (1.0 - share) * between(table[n], x, y) + share * between(table[n + 1], x, y)
-        total += WEIGHTS[node] * value
+def value(table, std_m, time_s, w_m, miss_m, step_s, half_m, cell_m):
+    """V by interpolation, in s by its logarithm; held at the edges of the table."""
+    level = min(max(log2(max(std_m, 1e-3)), 0.0), SPREADS - 1.0)
+    k = min(int(floor(level)), SPREADS - 2)
+    at = min(max(time_s / step_s, 0.0), table.shape[1] - 1.0)
+    n = min(int(floor(at)), table.shape[1] - 2)
+    x, y, total = (w_m + half_m) / cell_m, (miss_m + half_m) / cell_m, 0.0
+    for up in range(2):
+        share = level - k if up else 1.0 - level + k
+        slab = table[k + up]
+        total += share * ((1.0 - at + n) * between(slab[n], x, y) + (at - n) * between(slab[n + 1], x, y))
     return total

@@ -9,6 +9,7 @@ pytest.importorskip("stable_baselines3")
 pytest.importorskip("matplotlib")
 
 from rss_gym.eval.metrics import Estimate
+from rss_gym.train.recipe import load
 from rss_gym.train.study import ablations, curves, page, radios
 from rss_gym.train.study.training import Trained, Trainer
 
@@ -64,10 +65,18 @@ def test_the_radios_are_flown_one_by_one_beside_the_cheapest_scripted_policy_of_
     told = Told({"pathwise-radios": 0.005, "mpc": 4.0})
     section = radios.section(told)
     assert [changes for _, changes in told.asked if changes and "channel" in changes] == [
-        {"channel": radio} for radio in radios.RADIOS
+        {"channel": radios.CHANNELS[radio]} for radio in radios.RADIOS
     ]
     assert all(criterion.met for criterion in section.criteria) and "mpc" in section.text
-    assert not any(criterion.met for criterion in radios.section(Told({"pathwise-radios": 9.0})).criteria)
+    worse = radios.section(Told({"pathwise-radios": 9.0})).criteria
+    assert [criterion.text for criterion in worse if criterion.met] == [
+        "paper: at most 1.2 times the cost of the agent trained on it alone"
+    ]
+
+
+def test_the_new_radios_are_none_of_those_trained_on():
+    new, trained = radios.CHANNELS[radios.NEW], load("pathwise-radios", {}).params.channels
+    assert len(new) == 20 and not set(new) & set(trained)
 
 
 def test_the_chart_has_a_line_for_every_recipe_and_the_page_names_its_command():
