@@ -1,4 +1,4 @@
-"""The QMDP policy: a table of values, flown on the belief of the track."""
+"""A policy that reads a table of values at the belief of the track."""
 
 from __future__ import annotations
 
@@ -90,18 +90,17 @@ def _choose(
 
 @dataclass(frozen=True, kw_only=True)
 class Qmdp(Scripted):
-    """QMDP: a table made by value iteration for one intruder, flown on the mean over the track's belief.
+    """A table made by value iteration for one intruder, flown on the belief of its track.
 
-    It manoeuvres in the horizontal plane only. With several intruders the expected costs are added up.
+    It manoeuvres in the horizontal plane only. With several intruders the expected costs are added up. The defaults are
+    the cheapest of about twenty settings over 20,000 encounters of split `validation`, seed 0.
 
     Parameters
     ----------
     sigmas : float
-        The track's standard deviations are multiplied by it; more than 1 makes up for the optimism of QMDP.
+        The track's standard deviations are multiplied by it.
     drift_mps : float
-        Standard deviation of the other's velocity.
-    noise_mps : float
-        Its change in a decision, of which the table knows.
+        Standard deviation of the other's velocity, of which the table knows.
     lag_s : float
         Time that the aircraft is behind its way point.
     hold_s : float
@@ -110,9 +109,9 @@ class Qmdp(Scripted):
         Length of a flight, over which the deviation is averaged.
     """
 
-    sigmas: float = number(1.0, 0.0, 10.0)
-    drift_mps: float = number(0.2, 0.0, 10.0)
-    lag_s: float = number(1.5, 0.0, 20.0)
+    sigmas: float = number(1.3, 0.0, 10.0)
+    drift_mps: float = number(0.3, 0.0, 10.0)
+    lag_s: float = number(3.0, 0.0, 20.0)
     hold_s: float = number(2.0, 0.0, 60.0)
     flight_s: float = number(60.0, 1.0, 3600.0)
 

@@ -31,6 +31,8 @@ ROAD: dict[str, Column] = {
 }
 MORE = Column("more than the first", "m", "+.2f")
 """The paired difference of the cost from that of the first."""
+REGRET = Column("more than `qmdp`", "m", "+.2f", interval=False)
+"""That from the cost of the value table at its cheapest setting: the regret against it."""
 ROAD_NOTE = (
     "On a road the deviation is the distance from where the planned lane and speed would have led. A near miss, called "
     "sNMAC as in the air: at a tick a vehicle would touch the agent within 1.5 s if both went straight on. The zone of "

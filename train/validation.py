@@ -23,7 +23,7 @@ from rss_gym.plain_files import read_json
 
 START = "start.json"  # in the folder of a seed
 RULES = ("orthogonal", "modified-orthogonal", "rule")  # the paper's: the first that flies in a world
-SCRIPTED = (*RULES, "orca", "mvp", "cbf", "mpc")  # what an agent is compared with, where they fly
+SCRIPTED = (*RULES, "orca", "mvp", "cbf", "mpc", "qmdp")  # what an agent is compared with, where they fly
 SPLIT, SEED = "validation", 0
 METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
 

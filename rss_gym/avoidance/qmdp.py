@@ -30,7 +30,7 @@ SPREADS = 5  # standard deviations of the table: 1, 2, 4, 8, 16 m
 def between(table, x, y):
     """Bilinear interpolation of `table` at the indices x, y, held at its edges."""
     x, y = min(max(x, 0.0), table.shape[0] - 1.0), min(max(y, 0.0), table.shape[1] - 1.0)
-    i, j = min(int(floor(x)), table.shape[0] - 2), min(int(floor(y)), table.shape[1] - 2)
+    i, j = min(floor(x), table.shape[0] - 2), min(floor(y), table.shape[1] - 2)
     p, q = x - i, y - j
     low = (1.0 - q) * table[i, j] + q * table[i, j + 1]
     high = (1.0 - q) * table[i + 1, j] + q * table[i + 1, j + 1]
@@ -50,7 +50,7 @@ def solve(prices_m, limits_m, speed_mps, drift_mps, flight_s, step_s, steps, hal
     step_s, steps, half_m, cell_m
         The grid.
     """
-    cells = 1 + 2 * int(round(half_m / cell_m))
+    cells = 1 + 2 * round(half_m / cell_m)
     table = np.empty((SPREADS, 1 + steps, cells, cells))
     for k in range(SPREADS):
         _iterate(table[k], prices_m, limits_m, 2.0**k, speed_mps, drift_mps, flight_s, step_s, half_m, cell_m)
@@ -90,9 +90,9 @@ def _iterate(table, prices_m, limits_m, std_m, speed_mps, drift_mps, flight_s, s
 def value(table, std_m, time_s, w_m, miss_m, step_s, half_m, cell_m):
     """V by interpolation, in s by its logarithm; held at the edges of the table."""
     level = min(max(log2(max(std_m, 1e-3)), 0.0), SPREADS - 1.0)
-    k = min(int(floor(level)), SPREADS - 2)
+    k = min(floor(level), SPREADS - 2)
     at = min(max(time_s / step_s, 0.0), table.shape[1] - 1.0)
-    n = min(int(floor(at)), table.shape[1] - 2)
+    n = min(floor(at), table.shape[1] - 2)
     x, y, total = (w_m + half_m) / cell_m, (miss_m + half_m) / cell_m, 0.0
     for up in range(2):
         share = level - k if up else 1.0 - level + k

@@ -6,12 +6,13 @@ import re
 from functools import cache
 from pathlib import Path
 
-CLASSES = tuple(f"c{number}" for number in range(8))
+CLASSES = tuple(f"c{number}" for number in range(9))
 """The classes that tell curves apart."""
 NOMINAL = "nominal"
 POLICIES = {
     "none": NOMINAL, "orthogonal": "c0", "orca": "c1", "mvp": "c2", "cbf": "c3", "mpc": "c4",
-    "modified-orthogonal": "c5", "pathwise-plane": "c6", "pathwise-space": "c6", "ppo-plane": "c7", "ppo-range": "c7",
+    "qmdp": "c8", "modified-orthogonal": "c5", "pathwise-plane": "c6", "pathwise-space": "c6", "ppo-plane": "c7",
+    "ppo-range": "c7",
 }  # fmt: skip
 ESTIMATORS = {
     "ls": "c7", "ls-window": "c6", "ekf-white-r": "c4", "ekf-white": "c1", "ekf-coloured-literal": "c5",

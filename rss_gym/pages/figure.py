@@ -22,10 +22,10 @@ from rss_gym.params import ParamsError
 _VARIABLES = {
     "#010101": "--ink", "#020202": "--muted", "#030303": "--line", "#040404": "--frame", "#050505": "--paper",
     "#c00000": "--c0", "#c00001": "--c1", "#c00002": "--c2", "#c00003": "--c3", "#c00004": "--c4", "#c00005": "--c5",
-    "#c00006": "--c6", "#c00007": "--c7", "#c00008": "--nominal",
+    "#c00006": "--c6", "#c00007": "--c7", "#c00008": "--c8", "#c00009": "--nominal",
 }  # fmt: skip
 INK, MUTED, LINE, FRAME, PAPER, *COLOURS, NOMINAL = _VARIABLES
-"""Colours to draw with; `COLOURS` are the eight that tell curves apart."""
+"""Colours to draw with; `COLOURS` are the nine that tell curves apart."""
 CLASSES = {variable[2:]: colour for colour, variable in _VARIABLES.items()}
 """The same by the names of `rss_gym.pages.colours`."""
 

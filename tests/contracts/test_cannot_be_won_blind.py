@@ -13,7 +13,7 @@ EPISODES = 2000
 KNOWN = ("degenerate-v0", "smoke-v0")
 BEST, RULE = 1.5, 1.0  # times the cost of the best scripted policy, and of the paper's rule at its cheapest radius
 RADII_M = (30, 40, 60, 80, 110)
-SCRIPTED = ("orca", "mvp", "cbf", "mpc", "modified-orthogonal")
+SCRIPTED = ("orca", "mvp", "cbf", "mpc", "qmdp", "modified-orthogonal")
 
 
 @pytest.mark.slow

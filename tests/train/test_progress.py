@@ -67,4 +67,4 @@ def test_it_says_at_its_end_whether_it_beat_its_start_the_rule_and_the_best_scri
     assert re.search(r"(NOT below|not clearly below|below) the [\d.]+ m of its start", line)
     verdict = r"(beats|does not clearly beat|does NOT beat) the [\d.]+ m of"
     assert re.search(rf"and it {verdict} the rule orthogonal( and |$)", line)
-    assert re.search(rf"and (it )?{verdict} the (rule orthogonal|best scripted policy (orca|mvp|cbf|mpc))$", line)
+    assert re.search(rf"and (it )?{verdict} the (rule orthogonal|best scripted policy (orca|mvp|cbf|mpc|qmdp))$", line)

@@ -42,7 +42,8 @@ RADII: dict[str, dict[str, tuple[float, ...]]] = {
 BLIND = ("constant:right_m=30", "constant:right_m=100", "velocity", "stop", "back", "blind")
 DEAF = ("brake", "right-turn", "random")
 AGENTS = "-agents"  # of the name of a record that holds these
-DEFAULTS = ("orthogonal", "orca", "mvp", "cbf", "mpc")
+DEFAULTS = ("orthogonal", "orca", "mvp", "cbf", "mpc", "qmdp")
+TABLES = ("qmdp", "qmdp:sigmas=0.8", "qmdp:sigmas=1.8")  # a rule without a radius
 README = ("none", "orthogonal:radius_m=40", "orca:radius_m=20", "mpc")
 OF_FAMILY = {"merging": {"intruders": 8, "intruders_min": 2}}  # what a family needs of the world beside its name
 
@@ -67,7 +68,9 @@ def planned(shrink: int = 1) -> list[Job]:
     readme_n, n, family_n = (max(count // shrink, 2) for count in (README_EPISODES, EPISODES, FAMILY_EPISODES))
     out = [Job("readme", SUITE, README, readme_n)]
     for level in RADII:
-        out.append(Job(level, SUITE, ("none", *rules(level), *BLIND, *DEAF), n, changes={"information": level}))
+        out.append(
+            Job(level, SUITE, ("none", *rules(level), *TABLES, *BLIND, *DEAF), n, changes={"information": level})
+        )
     out.append(Job("space", SPACE, ("none", *DEFAULTS, *BLIND, "climb"), n))
     for family in families():
         where = {"families": [family], **OF_FAMILY.get(family, {})}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from rss_gym.eval import ranking
-from rss_gym.eval.columns import AIR, MORE
+from rss_gym.eval.columns import AIR, MORE, REGRET
 from rss_gym.eval.costs import Prices
 from rss_gym.eval.ranking import Candidate, Place
 from rss_gym.eval.reading import load
@@ -49,13 +49,18 @@ def ranked(folders: Sequence[Path]) -> str:
         prices = Prices.of(record.params)
         for policy in record.policies:
             candidates[policy.spec] = Candidate.of(policy.spec, policy.table, prices)
-    columns = ["place", "policy", AIR["cost_m"], MORE, *COLUMNS.values()]
-    return Table(columns, (_line(place, rows[place.name]) for place in ranking.rank(candidates.values()))).markdown
+    places = ranking.rank(candidates.values())
+    tables_m = [candidate.costs.mean_m for spec, candidate in candidates.items() if spec.split(":")[0] == "qmdp"]
+    regret_m = {spec: candidate.costs.mean_m - min(tables_m) for spec, candidate in candidates.items() if tables_m}
+    columns = ["place", "policy", AIR["cost_m"], MORE, *([REGRET] if tables_m else []), *COLUMNS.values()]
+    return Table(columns, (_line(place, rows[place.name], regret_m) for place in places)).markdown
 
 
-def _line(place: Place, row: ScoreRow) -> list[Any]:
+def _line(place: Place, row: ScoreRow, regret_m: Mapping[str, float]) -> list[Any]:
+    """One policy; `regret_m` by specification is empty where the value table has not flown."""
     at = number(place) if place.place else Cell(place.why_not, strong=True)
-    return [at, f"`{row.spec}`", row.metrics["cost_m"], difference(place) or "", *(row.metrics[n] for n in COLUMNS)]
+    more = [difference(place) or "", *([regret_m[row.spec] if place.place else None] if regret_m else [])]
+    return [at, f"`{row.spec}`", row.metrics["cost_m"], *more, *(row.metrics[name] for name in COLUMNS)]
 
 
 def by_family(families: dict[str, dict[str, ScoreRow]]) -> str:
