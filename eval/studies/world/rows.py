@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 from rss_gym.eval.columns import AIR
@@ -10,7 +10,7 @@ from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.studies.section import Scale
 
-METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
+METRICS = {"cost_m": ".2f", "collision_rate": ".2e", "snmac_rate": ".2e", "path_deviation_mean_m": ".2f"}
 HEADER = ("policy", "world", *(AIR[metric].heading for metric in METRICS))
 SEED = 930_000_101  # not the one that policies were tuned on
 ORCA = [f"orca:radius_m={radius}" for radius in (15, 20, 25, 30)]
@@ -57,6 +57,6 @@ def row(name: str, params: str, scores: Scores) -> list[str]:
     return [name, params, *cells(scores, METRICS)]
 
 
-def cells(scores: Scores, metrics: Sequence[str]) -> list[str]:
-    """Each metric with its interval, as the tables of scores show it."""
-    return [interval(scores[metric], AIR[metric].form) for metric in metrics]
+def cells(scores: Scores, metrics: Iterable[str]) -> list[str]:
+    """Each of these metrics with its interval."""
+    return [interval(scores[metric], METRICS[metric]) for metric in metrics]
