@@ -110,7 +110,8 @@ def element(array: Value, indices: list[Value]) -> Value:
     rest = kind.shape[len(indices) :]
     if None in rest and len(rest) > 1:
         raise TranslationError("a view with an axis of unknown length is not known")
-    count = length(Value(array.code, kind), len(kind.shape) - 1).code if None in rest else str(math.prod(rest))  # type: ignore[arg-type]
+    whole = str(math.prod(size for size in rest if size is not None))
+    count = length(Value(array.code, kind), len(kind.shape) - 1).code if None in rest else whole
     part = "slice" if kind.dtype.names else "subarray"
     start = at if at.isdigit() else f"({at})"
     return Value(f"{array.code}.{part}({start}, {start} + {count})", Array(kind.dtype, rest))

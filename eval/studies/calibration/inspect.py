@@ -13,6 +13,7 @@ from rss_gym.calibration.logs.clean import cleaned
 from rss_gym.calibration.logs.record import REASONS, USED, LogFile, Rows
 from rss_gym.checks import Floats
 from rss_gym.eval.studies.calibration.text import printable
+from rss_gym.pages.table import Table
 from rss_gym.params import ParamsError
 
 PLOT_COLUMNS, PLOT_ROWS = 64, 16
@@ -59,16 +60,19 @@ def inspect(
 def description(file: LogFile, records: Sequence[LogRecord], notes: Sequence[str]) -> str:
     """One log in lines of text."""
     lines = [f"{file.source}: {file.format}, {sum(rows.reason.size for rows in file.rows):,} rows"]
-    for key, column in file.columns.items():
-        lines.append(f"  {key or 'not used':<9} {printable(column)[:200]}")
+    lines += _listed([(key or "not used", printable(column)[:200]) for key, column in file.columns.items()], "  ")
     for rows in file.rows:
         lines += [f"  link {rows.link!r}" + (f", sender {rows.sender}" if rows.sender else "")]
-        lines += [f"    {name:<9} {value}" for name, value in facts(rows).items()]
+        lines += _listed(list(facts(rows).items()), "    ")
     lines += [f"  note: {note}" for note in notes]
     shown = [record for record in records if record.time_s.size]
     if shown:
         lines += ["", *plot(shown), ""]
     return "\n".join(lines)
+
+
+def _listed(items: list[tuple[str, str]], indent: str) -> list[str]:
+    return [indent + line for line in Table(("name", "value"), items).lines(header=False)]
 
 
 def facts(rows: Rows) -> dict[str, str]:

@@ -9,8 +9,9 @@ from rss_gym.eval.columns import AIR
 from rss_gym.eval.evaluate import evaluate
 from rss_gym.eval.metrics import Estimate
 from rss_gym.eval.studies.section import Scale
+from rss_gym.pages.table import Cell, Column
 
-METRICS = {"cost_m": ".2f", "collision_rate": ".2e", "snmac_rate": ".2e", "path_deviation_mean_m": ".2f"}
+METRICS = ("cost_m", "collision_rate", "snmac_rate", "path_deviation_mean_m")
 HEADER = ("policy", "world", *(AIR[metric].heading for metric in METRICS))
 SEED = 930_000_101  # not the one that policies were tuned on
 ORCA = [f"orca:radius_m={radius}" for radius in (15, 20, 25, 30)]
@@ -48,15 +49,14 @@ def danger(scores: Scores) -> float:
 
 def interval(estimate: Estimate, form: str) -> str:
     """Value with its 95 % interval."""
-    assert None not in (estimate.value, estimate.low, estimate.high)
-    return f"{estimate.value:{form}} [{estimate.low:{form}}, {estimate.high:{form}}]"
+    return Column("", form=form).cell(estimate).plain
 
 
-def row(name: str, params: str, scores: Scores) -> list[str]:
+def row(name: str, params: str, scores: Scores) -> list[str | Cell]:
     """Cells of `HEADER`."""
     return [name, params, *cells(scores, METRICS)]
 
 
-def cells(scores: Scores, metrics: Iterable[str]) -> list[str]:
-    """Each of these metrics with its interval."""
-    return [interval(scores[metric], METRICS[metric]) for metric in metrics]
+def cells(scores: Scores, metrics: Iterable[str]) -> list[Cell]:
+    """Each of these metrics with its interval, as its column shows it."""
+    return [AIR[metric].cell(scores[metric]) for metric in metrics]
