@@ -6,22 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.eval.episodes import Block, PolicyError, fly_episodes
-from rss_gym.eval.policies import entry
 from rss_gym.eval.report.flights import ReplayFlight
-from rss_gym.eval.suites import Suite
 
 SIZE = 320.0  # of a drawing, in its own units
 Points = list[tuple[float, float]]
 
 
-def encounter(suite: Suite, spec: str, number: int) -> dict[str, Any] | None:
-    """The paths of one public encounter, from above, flown again; None if it cannot be."""
-    flight, built = ReplayFlight(), entry(spec, suite.params, "entry")
-    try:
-        fly_episodes(built.policy, "entry", built.params, Block(suite.split, suite.seed, [number]), watch=flight)
-    except PolicyError:
-        return None
+def encounter(number: int, flight: ReplayFlight) -> dict[str, Any]:
+    """The paths of one encounter from above."""
     axes = 2 if len(flight.own["position"]) == 2 * len(flight.times) else 3
     paths = {"own": flight.own["position"], "planned": flight.own["planned"]}
     shown = {name: _points(values, axes) for name, values in paths.items()}

@@ -6,24 +6,24 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
-from rss_gym.eval.board import breaks, chain, drawing, season, tables, verdict
+from rss_gym.eval.board import breaks, chain, drawing, replays, season, tables, verdict
 from rss_gym.eval.board.entry import read
 from rss_gym.eval.board.fly import ENTRIES, Places
 from rss_gym.eval.board.standing import standings
-from rss_gym.eval.suites import SUITES
+from rss_gym.eval.suites import SUITES, Suite
 from rss_gym.files import new_folder, write_text
 from rss_gym.pages import page
 from rss_gym.pages.markup import renderer
 from rss_gym.params import ParamsError
 
 render = renderer(__file__)
-REPLAYS = 2  # drawings of an entry on a suite
+REPLAYS = 2  # encounters of an entry on a suite
 BY = {
     "families": "Cost of the sealed encounters by family, in m",
     "radios": "Cost of the sealed encounters by radio (index into the list of the world's channels), in m",
@@ -34,7 +34,7 @@ def build(
     board: str | os.PathLike[str],
     season_files: Sequence[str | os.PathLike[str]],
     out: str | os.PathLike[str],
-    replays: int = REPLAYS,
+    count: int = REPLAYS,
 ) -> Path:
     """Write the pages of a board into the new folder `out`.
 
@@ -44,8 +44,8 @@ def build(
         Folder with `board.jsonl`.
     season_files : sequence of path
         Of the seasons shown, newest first.
-    replays : int
-        Worst public encounters of each entry and suite that are flown again and drawn.
+    count : int
+        Worst public encounters of each entry and suite that are flown again, drawn and played.
 
     Raises
     ------
@@ -74,8 +74,8 @@ def build(
                 levels = standings(lines, current.name, flown.name, places, sealed)
                 name = f"{current.name}-{flown.name}.html"
                 revealed = None if current.secret is None else sealed
-                count = sum(map(len, levels.values()))
-                suites.append({"flown": flown, "levels": levels, "page": name, "seed": revealed, "count": count})
+                entries = sum(map(len, levels.values()))
+                suites.append({"flown": flown, "levels": levels, "page": name, "seed": revealed, "count": entries})
                 parts = {
                     level: {
                         "table": tables.level(rows),
@@ -107,7 +107,11 @@ def build(
                 line=line,
                 table=tables.entry(rows),
                 breaks=[one for one in broken if one["entry_hash"] == hashed],
-                drawings=_drawings(Path(board), rows, replays),
+                drawings=[
+                    {"suite": suite.name, "cases": [drawing.encounter(case.number, case.own) for case in found]}
+                    | {"page": _replays(folder, suite, line, found)}
+                    for suite, line, found in _worst(Path(board), rows, count)
+                ],
                 bars=_bars(rows),
                 files=_copied(Path(board), folder, hashed),
             )
@@ -139,9 +143,10 @@ def _by_entry(shown: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
     return members
 
 
-def _drawings(board: Path, rows: list[dict[str, Any]], count: int) -> list[dict[str, Any]]:
-    """The worst public encounters of an entry, flown again."""
-    found = []
+def _worst(
+    board: Path, rows: list[dict[str, Any]], count: int
+) -> Iterator[tuple[Suite, dict[str, Any], list[replays.Case]]]:
+    """Suites of an entry with their lines and its worst public encounters, flown again."""
     for one in rows:
         line = one["row"].line
         if line["failed"] or not count or line["suite"] not in SUITES:
@@ -151,11 +156,18 @@ def _drawings(board: Path, rows: list[dict[str, Any]], count: int) -> list[dict[
             if line["entry"]["link"]:
                 spec = read(board / ENTRIES / line["entry_hash"][:16]).spec
             suite = SUITES[line["suite"]]
-            drawn = [drawing.encounter(suite, spec, number) for number in line["public"]["worst"][:count]]
+            found = replays.cases(suite, spec, line["public"]["worst"][:count])
         except ParamsError:
             continue
-        found.append({"suite": line["suite"], "cases": [case for case in drawn if case is not None]})
-    return found
+        if found:
+            yield suite, line, found
+
+
+def _replays(folder: Path, suite: Suite, line: dict[str, Any], found: list[replays.Case]) -> str:
+    """Write the page that plays these encounters; its name."""
+    name = f"{line['entry_hash'][:16]}-{line['season']}-{suite.name}.html"
+    write_text(folder / ENTRIES / name, replays.page_of(suite, line, found))
+    return name
 
 
 def _bars(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:

@@ -6,7 +6,7 @@ flights alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from rss_gym.eval.evaluate import NOMINAL, Result, Scored
 from rss_gym.eval.policies import Entry
 from rss_gym.eval.report import series
 from rss_gym.eval.report.flights import Flown, ReplayFlight
+from rss_gym.eval.suites import Suite
 from rss_gym.pages.markup import renderer
 
 render = renderer(__file__)
@@ -99,16 +100,30 @@ def player(result: Result, flown: Flown) -> dict[str, Any]:
         ]
         if all(case["flight"] is not None and (case["beside"] is not None or other == index) for case in cases):
             policies.append({"name": scored.entry.name, "cases": cases})
+    flights = [{"name": name} | flight for (name, _), flight in flown.flights.items()]
+    left_out = [result.policies[index].entry.name for index in chosen(result, beside)[1]]
+    return described(result.suite, policies, flights, result.policies[beside].entry.name, left_out, flown.failed)
+
+
+def described(
+    suite: Suite,
+    policies: Sequence[Mapping[str, Any]],
+    flights: Sequence[Mapping[str, Any]],
+    beside: str,
+    left_out: Sequence[str] = (),
+    failed: Sequence[str] = (),
+) -> dict[str, Any]:
+    """What the script of the page is given: policies with their cases, flights, and what it needs of the world."""
     return {
-        "policies": policies,
-        "flights": [{"name": name} | flight for (name, _), flight in flown.flights.items()],
-        "beside": result.policies[beside].entry.name,
-        "left_out": [result.policies[index].entry.name for index in chosen(result, beside)[1]],
-        "failed": list(flown.failed),
-        "zone_m": result.suite.params.zone.radius_m,
-        "collision_m": result.suite.params.zone.collision_m,
-        "decision_s": result.suite.params.clock.decision_s,
-        "planar": result.suite.params.encounter.planar,
+        "policies": list(policies),
+        "flights": list(flights),
+        "beside": beside,
+        "left_out": list(left_out),
+        "failed": list(failed),
+        "zone_m": suite.params.zone.radius_m,
+        "collision_m": suite.params.zone.collision_m,
+        "decision_s": suite.params.clock.decision_s,
+        "planar": suite.params.encounter.planar,
     }
 
 

@@ -545,7 +545,7 @@ def test_html_in_every_field_is_text(flown, board, change):
     breaks.fly(
         attack(board, author=json.dumps(HTML), family='"crossing"'), board / "season.json", board / "board", dear
     )
-    out = site.build(board / "board", [board / "season.json"], board / "site", replays=0).parent
+    out = site.build(board / "board", [board / "season.json"], board / "site", count=0).parent
     pages = [*out.rglob("*.html"), out / "feed.xml"]
     assert len(pages) == 8 and ElementTree.fromstring((out / "feed.xml").read_text(encoding="utf-8")) is not None
     assert "picked one by one" in (out / "first-smoke-v0.html").read_text(encoding="utf-8")

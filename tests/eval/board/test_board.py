@@ -75,7 +75,7 @@ def test_a_second_season_is_appended_to_the_same_board(board):
     season.new(board / "next.json", "second", [SUITE], 6, 6)
     done = fly.fly(board / "entries", board / "next.json", board / "board", runner=fly_here, references=False)
     assert len(done.appended) == 3 and len(lines_of(board)) == 6 and not done.refused
-    out = site.build(board / "board", [board / "next.json", board / "season.json"], board / "site", replays=0)
+    out = site.build(board / "board", [board / "next.json", board / "season.json"], board / "site", count=0)
     text = out.read_text(encoding="utf-8")
     assert "Season second" in text and "Closed." in text and (out.parent / "second-smoke-v0.html").is_file()
 
@@ -184,7 +184,7 @@ def test_an_entry_for_all_flies_where_it_can(tmp_path):
 
 
 def test_pages(flown, tmp_path):
-    out = site.build(flown / "board", [flown / "season.json"], tmp_path / "site", replays=1).parent
+    out = site.build(flown / "board", [flown / "season.json"], tmp_path / "site", count=1).parent
     names = {path.name for path in out.iterdir()}
     assert {"index.html", "enter.html", "first-smoke-v0.html", "board.json", "board.jsonl", "feed.xml"} <= names
     for page in out.rglob("*.html"):
@@ -193,9 +193,13 @@ def test_pages(flown, tmp_path):
         assert outside <= {"https://example.org/code"} and "default-src 'none'" in text
         for link in re.findall(r'href="([^"#:]+)"', text):
             assert (page.parent / link).exists(), (page, link)
-    entry = next(page for page in (out / "entries").glob("*.html") if "ppo copy" in page.read_text(encoding="utf-8"))
+    pages = {page: page.read_text(encoding="utf-8") for page in (out / "entries").glob("*.html")}
+    entry = next(page for page, text in pages.items() if "ppo copy" in text and 'id="player"' not in text)
     text = entry.read_text(encoding="utf-8")
     assert '<polyline class="own"' in text and "policy.safetensors" in text and "Bob &lt;b&gt;&amp;" in text
+    (played,) = (out / "entries").glob(f"{entry.stem}-first-*.html")
+    text = played.read_text(encoding="utf-8")
+    assert f'<a href="{entry.name}">' in text and 'id="player"' in text and '"beside":1' in text
     rows = json.loads((out / "board.json").read_text())["seasons"][0]["tables"][0]["rows"]
     assert [row["place"] for row in rows] == [1, 2, 3] and rows[-1]["entry"] == "Fleeing"
 
