@@ -52,13 +52,33 @@ def test_a_criterion_of_the_curves_needs_every_seed_to_be_cheap_and_soon(cost, c
 
 def test_an_ablation_flies_in_the_world_that_it_was_trained_in():
     told = Told({"pathwise": 4.0})
-    text = ablations.section(told).markdown
-    assert ("pathwise", {"recipe.steps": ablations.STEPS, "world.estimator": "ls"}) in told.asked and (
+    text = ablations.ablations(told).markdown
+    assert ("pathwise", {"recipe.steps": ablations.AGENT_STEPS, "world.estimator": "ls"}) in told.asked and (
         "encounter-v0",
         {"estimator": "ls"},
     ) in told.asked
     assert ("encounter-v0", {"track_range": False}) in told.asked
     assert "4.00 (+0.00)" in text and text.count("| imitation |") == ablations.SEEDS + 1
+
+
+@pytest.mark.parametrize(
+    "recipe, steps, table",
+    [
+        (ablations.AGENT, ablations.AGENT_STEPS, ablations.WITHOUT),
+        (ablations.LEARNER, ablations.LEARNER_STEPS, ablations.WITH),
+    ],
+)
+def test_every_change_is_one_of_its_recipe(recipe, steps, table):
+    assert len({str(load(recipe, {"recipe.steps": steps, **change}).to_dict()) for change in table.values()}) == len(
+        table
+    )
+
+
+def test_prices_of_the_training_are_not_those_of_the_flights():
+    told = Told({})
+    ablations.changes(told)
+    flown = [changes for what, changes in told.asked if what == "encounter-v0"]
+    assert [changes for changes in flown if changes] == [{"decision_s": 1.0}]
 
 
 def test_the_radios_are_flown_one_by_one_beside_the_cheapest_scripted_policy_of_each():
@@ -82,7 +102,7 @@ def test_the_new_radios_are_none_of_those_trained_on():
 def test_the_chart_has_a_line_for_every_recipe_and_the_page_names_its_command():
     svg = curves.chart(Told({}))
     assert svg.startswith("<svg") and all(f">{name}</text>" in svg for name in curves.BARS)
-    assert "`rss-gym study learning --sections ablations" in page({"ablations": ablations.section(Told({}))})
+    assert "`rss-gym study learning --sections ablations" in page({"ablations": ablations.ablations(Told({}))})
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What the recipes learn: curves from scratch, the champion of a minute, ablations; docs/learning.md with its chart.
+"""What the recipes learn, what helps them, and what each part is worth; docs/learning.md with its chart.
 
 Each training is a run of its own in the folder of runs, so that an interrupted study goes on where it stopped.
 """
@@ -16,7 +16,12 @@ from rss_gym.train.study import ablations, curves, radios
 from rss_gym.train.study.training import Trainer
 
 PAGE, CHART = "docs/learning.md", "docs/learning.svg"
-SECTIONS = {"curves": curves.section, "ablations": ablations.section, "radios": radios.section}
+SECTIONS = {
+    "curves": curves.section,
+    "changes": ablations.changes,
+    "ablations": ablations.ablations,
+    "radios": radios.section,
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,17 +1,22 @@
-"""What each part is worth: `pathwise` trained and flown without it."""
+"""What each part is worth: recipes trained and flown with one change at a time."""
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 from rss_gym.eval.studies.section import Section
 from rss_gym.eval.studies.world.rows import SEED, value
+from rss_gym.params import Reward
 from rss_gym.train.study.curves import SUITE, cells
 from rss_gym.train.study.training import Trainer
 
-RECIPE, STEPS, SEEDS = "pathwise", 2_000_000, 3
-# What is missing -> changes of the recipe; those of its world hold for the flights too.
-ABLATIONS: dict[str, dict[str, Any]] = {
+Changes = dict[str, dict[str, Any]]  # what it is in words -> changes of the recipe
+
+SEEDS = 3
+AGENT, AGENT_STEPS = "pathwise", 2_000_000
+WITHOUT: Changes = {
     "nothing": {},
     "tracker: the message held (`latest`)": {"world.tracker": "latest"},
     "range: not in the track, not observed": {"world.track_range": False, "policy.zeroed": "range"},
@@ -21,24 +26,63 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "closest approaches in the observation": {"policy.zeroed": "approach"},
     "imitation": {"imitation.episodes": 0},
 }
+LEARNER, LEARNER_STEPS = "ppo-short", 1_000_000
+HALF = [{"start": 0.5, "proximity_price_m": 8000.0, "comfort_m": 20.0}]
+PRICES = {"world.collision_price_m": 10_000.0, "world.snmac_price_m": 100.0, "world.proximity_price_m": 0.0}
+WITH: Changes = {
+    "nothing": {},
+    "coherent exploration: decisions of 1 s": {"world.decision_s": 1.0},
+    "curriculum: twice the price within 20 m in the second half": {"curriculum": HALF},
+    "potential-based shaping, 30 m": {"world.shaping_m": 30.0, "world.shaping_discount": 0.95},
+    "the prices of the scores, no price of nearness": PRICES,
+    "rewards not normalised": {"vec.normalise_reward": False},
+    "batches of 8,192": {"algorithm.batch_size": 8192},
+    "two layers of 256": {"policy.net_arch": [256, 256]},
+    "exploration of half the width": {"policy.log_std_init": -0.7},
+}
 
 
-def section(trainer: Trainer) -> Section:
-    """A row a seed, and its difference from the mean of the seeds with everything."""
+def ablations(trainer: Trainer) -> Section:
+    """The agent of a minute without one part."""
+    return Section(
+        "Ablations",
+        f"`{AGENT}` trained for {AGENT_STEPS:,} decisions and flown without one part, {SEEDS} seeds each; {_how(trainer)} "
+        "The action is a change of velocity in this world; there is no other continuous one to compare it with.",
+        *_compared(trainer, AGENT, AGENT_STEPS, WITHOUT, "without"),
+    )
+
+
+def changes(trainer: Trainer) -> Section:
+    """PPO from scratch with one change."""
+    return Section(
+        "What helps PPO",
+        f"`{LEARNER}` trained for {LEARNER_STEPS:,} decisions with one change, {SEEDS} seeds each; {_how(trainer)} "
+        "State-dependent exploration is not among them, because an agent with it cannot be exported.",
+        *_compared(trainer, LEARNER, LEARNER_STEPS, WITH, "change"),
+    )
+
+
+def _how(trainer: Trainer) -> str:
+    return f"{trainer.episodes:,} encounters of `{SUITE}`, split `suite`, seed {SEED}."
+
+
+def _compared(
+    trainer: Trainer, recipe: str, steps: int, table: Changes, title: str
+) -> tuple[tuple[str, ...], list[list[str]]]:
+    """Header and rows: one a seed, and the difference of their mean from that of the seeds without a change."""
     rows: list[list[str]] = []
-    means_m: list[float] = []  # the first is that of the seeds with everything
-    for what, changes in ABLATIONS.items():
-        seeds = trainer.train(RECIPE, {"recipe.steps": STEPS, **changes}, SEEDS)
-        world = {key.removeprefix("world."): found for key, found in changes.items() if key.startswith("world.")}
-        scores = trainer.score({f"seed {seed.number}": seed.folder for seed in seeds}, SUITE, **world)
+    means_m: list[float] = []  # the first is that without a change
+    for what, change in table.items():
+        seeds = trainer.train(recipe, {"recipe.steps": steps, **change}, SEEDS)
+        scores = trainer.score({f"seed {seed.number}": seed.folder for seed in seeds}, SUITE, **_flown(change))
         means_m.append(sum(value(found, "cost_m") for found in scores.values()) / len(scores))
         rows += [[what, f"{seed.number}", *cells(found)] for seed, found in zip(seeds, scores.values(), strict=True)]
         rows.append([what, "mean", f"{means_m[-1]:.2f} ({means_m[-1] - means_m[0]:+.2f})", "", "", ""])
-    return Section(
-        "Ablations",
-        f"`{RECIPE}` trained for {STEPS:,} decisions and flown without one part, {SEEDS} seeds each; "
-        f"{trainer.episodes:,} encounters of `{SUITE}`, split `suite`, seed {SEED}. The action is a change of velocity "
-        "in this world; there is no other continuous one to compare it with.",
-        ("without", "seed", "cost m", "collision rate", "mean deviation m", "unnecessary manoeuvres"),
-        rows,
-    )
+    return (title, "seed", "cost m", "collision rate", "mean deviation m", "unnecessary manoeuvres"), rows
+
+
+def _flown(change: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes of the recipe's world that hold for the flights too: all but the prices of the training."""
+    prices = {field.name for field in dataclasses.fields(Reward)}
+    world = {key.removeprefix("world."): found for key, found in change.items() if key.startswith("world.")}
+    return {key: found for key, found in world.items() if key not in prices}
