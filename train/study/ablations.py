@@ -46,7 +46,8 @@ def ablations(trainer: Trainer) -> Section:
     """The agent of a minute without one part."""
     return Section(
         "Ablations",
-        f"`{AGENT}` trained for {AGENT_STEPS:,} decisions and flown without one part, {SEEDS} seeds each; {_how(trainer)} "
+        f"`{AGENT}` trained for {AGENT_STEPS:,} decisions and flown without one part, {SEEDS} seeds each; "
+        f"{_how(trainer)} "
         "The action is a change of velocity in this world; there is no other continuous one to compare it with.",
         *_compared(trainer, AGENT, AGENT_STEPS, WITHOUT, "without"),
     )
