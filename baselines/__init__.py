@@ -259,7 +259,7 @@ def _options(kind: type[Scripted]) -> dict[str, Any]:
 
 
 def able(params: Params) -> list[str]:
-    """Names of all that can fly in this world, on its information, at their defaults."""
+    """Names of all policies that can fly in this world, on its level of information, with their default options."""
     found = []
     for name, kind in policies(params).items():
         level = kind.home(params).interface.information

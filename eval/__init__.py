@@ -1,4 +1,4 @@
-"""The evaluator: suites, flights, metrics with intervals, records."""
+"""Score policies: suites of encounters, flights, metrics with intervals, and records."""
 
 from rss_gym.eval.evaluate import Result, evaluate
 from rss_gym.eval.parts import Part, fly, merge

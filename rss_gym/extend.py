@@ -1,4 +1,4 @@
-"""The doors: functions that add a part of your own to the package. Each imports its layer when it is called."""
+"""Functions that add parts of your own to the package. Each imports what it needs when it is called."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def register_estimator(name: str, estimator: Estimator) -> None:
 
 
 def register_family(name: str, family: Family) -> None:
-    """Add a family of encounters; `families=["name"]` flies it. It has the weight 0, as `mixed` is that of the package.
+    """Add a family of encounters; `families=["name"]` flies it. Its weight in `mixed` is 0.
 
     Raises
     ------

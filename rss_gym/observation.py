@@ -135,7 +135,7 @@ def fields(params: Params) -> list[Field]:
 
 
 def split(observation: np.ndarray, params: Params) -> dict[str, np.ndarray]:
-    """Undo the scaling: name -> values in SI units.
+    """Split observations into their fields: name -> values in SI units.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 # Name -> module, from this package on or in full, and what it answers.
 STUDIES: dict[str, tuple[str, str]] = {
-    "world": (".world", "whether the radio decides, nothing wins blind, RL learns: docs/world.md"),
+    "world": (".world", "whether the radio decides, no blind policy leads, and standard RL learns: docs/world.md"),
     "opponents": (".opponents", "every policy on the same encounters: docs/opponents.md and the README's scores"),
     "learning": ("rss_gym.train.study", "what the recipes learn from scratch, and ablations: docs/learning.md"),
     "roads": (".roads", "the drivers on the highway: docs/roads.md"),

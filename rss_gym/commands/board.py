@@ -6,37 +6,49 @@ import argparse
 
 from rss_gym.commands.shared import add_out, add_workers, count
 
-HELP = "run a board that others enter: seasons, flights, breaks, pages"
+HELP = "run a board that others enter: open seasons, fly entries, write pages"
 KEPT = "what was flown so far is kept, and the same command goes on from there"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the actions and their options."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION", help="each has its own --help")
-    new = actions.add_parser("new", help="open a season: draw the secret of its sealed seeds, publish its hash")
+    new = actions.add_parser(
+        "new", help="open a season: draw the secret behind its sealed seeds, and publish the hash of the secret"
+    )
     new.add_argument("season", metavar="FILE", help="new file, such as season-1.json")
-    new.add_argument("--name", required=True, help="of the season, such as 2026-1")
-    new.add_argument("--suites", nargs="+", required=True, metavar="NAME", help="what is flown")
-    new.add_argument("--public", type=count, default=10_000, metavar="N", help="public encounters (default: 10000)")
-    new.add_argument("--sealed", type=count, default=10_000, metavar="N", help="sealed ones (default: 10000)")
-    close = actions.add_parser("close", help="close a season: tell the secret")
-    close.add_argument("season", metavar="FILE", help="the season's file")
+    new.add_argument("--name", required=True, help="name of the season, such as 2026-1")
+    new.add_argument("--suites", nargs="+", required=True, metavar="NAME", help="suites to fly")
+    new.add_argument(
+        "--public", type=count, default=10_000, metavar="N", help="public encounters of each suite (default: 10000)"
+    )
+    new.add_argument(
+        "--sealed", type=count, default=10_000, metavar="N", help="sealed encounters of each suite (default: 10000)"
+    )
+    close = actions.add_parser("close", help="close a season: publish its secret")
+    close.add_argument("season", metavar="FILE", help="file of the season")
     fly = actions.add_parser("fly", help="fly all entries, and append a signed line for each")
-    fly.add_argument("entries", nargs="?", metavar="ENTRIES", help="folder of entries; none: the package's policies")
-    fly.add_argument("--season", required=True, metavar="FILE", help="the season's file")
-    fly.add_argument("--board", required=True, metavar="DIR", help="folder of board.jsonl")
+    fly.add_argument(
+        "entries", nargs="?", metavar="ENTRIES", help="folder of entries (default: only the policies of the package)"
+    )
+    fly.add_argument("--season", required=True, metavar="FILE", help="file of the season")
+    fly.add_argument("--board", required=True, metavar="DIR", help="folder that holds board.jsonl")
     fly.add_argument("--entries-only", action="store_true", help="leave out the policies of the package")
     add_workers(fly)
     broken = actions.add_parser("break", help="fly encounters that were sent against an entry")
-    broken.add_argument("file", metavar="FILE", help="see rss-gym board site, How to enter")
-    broken.add_argument("--season", required=True, metavar="FILE", help="the season's file")
-    broken.add_argument("--board", required=True, metavar="DIR", help="folder of board.jsonl")
+    broken.add_argument(
+        "file", metavar="FILE", help="encounters to fly; the page How to enter says what the file holds"
+    )
+    broken.add_argument("--season", required=True, metavar="FILE", help="file of the season")
+    broken.add_argument("--board", required=True, metavar="DIR", help="folder that holds board.jsonl")
     check = actions.add_parser("check", help="check the order and the signatures of a board's lines")
-    check.add_argument("board", metavar="DIR", help="folder of board.jsonl")
+    check.add_argument("board", metavar="DIR", help="folder that holds board.jsonl")
     check.add_argument("--key", metavar="HEX", help="public key that must have signed (default: that of line 1)")
-    site = actions.add_parser("site", help="write the pages")
-    site.add_argument("board", metavar="DIR", help="folder of board.jsonl")
-    site.add_argument("--season", required=True, nargs="+", metavar="FILE", help="files of the seasons, newest first")
+    site = actions.add_parser("site", help="write the pages of the board")
+    site.add_argument("board", metavar="DIR", help="folder that holds board.jsonl")
+    site.add_argument(
+        "--season", required=True, nargs="+", metavar="FILE", help="files of the seasons, the newest first"
+    )
     add_out(site, "SITE", "new folder for the pages")
 
 

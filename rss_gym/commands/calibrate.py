@@ -11,7 +11,7 @@ from typing import Any
 
 from rss_gym.commands.shared import add_out
 
-HELP = "fit a channel to radio logs, and compare the range errors of the estimators on a test"
+HELP = "fit a channel to radio logs, and compare the range errors of the estimators on other logs"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +28,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="logs to test on (default: the last third of each record)",
     )
     parser.add_argument("--inspect", action="store_true", help="only say what the logs hold and what would be dropped")
-    parser.add_argument("--out", metavar="FILE", help="channel to write, such as channel.toml")
+    parser.add_argument("--out", metavar="FILE", help="file for the channel, such as channel.toml")
     add_out(parser, "DIR", "new folder for the page and calibration.json", required=False, name="report")
     parser.add_argument("--json", action="store_true", help="print everything as JSON instead of the table")
     reading = parser.add_argument_group("reading", "where a log does not say so itself")
@@ -39,7 +39,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--columns",
         default="",
         metavar="t=..,rss=..,dist=..",
-        help="names of a table's columns or a bag's fields; 1=t,2=rss,3=dist for a table without a header",
+        help="names of the columns of a table or the fields of a bag; 1=t,2=rss,3=dist for a table without a header",
     )
     reading.add_argument(
         "--time-unit", choices=("s", "ms", "us", "ns"), help="unit of the time (default: found from the numbers)"
@@ -49,18 +49,16 @@ def add(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const="*",
         metavar="PATTERN",
-        help="the table has columns for each link: alone they are found, else such as rss=rss_*,dist=dist_*",
+        help="the table has columns for each link; PATTERN names them, such as rss=rss_*,dist=dist_*",
     )
     reading.add_argument(
         "--truth", metavar="FILE", help="table with the true distances or positions, over the same clock"
     )
-    reading.add_argument(
-        "--offset-db", type=float, default=0.0, metavar="DB", help="level added to a power that is relative"
-    )
+    reading.add_argument("--offset-db", type=float, default=0.0, metavar="DB", help="level to add to a relative power")
     reading.add_argument(
         "--station",
         metavar="LAT,LON,ALT",
-        help="where the fixed end is: degrees and m, or x,y,z in m for local positions",
+        help="position of the fixed end of the link: degrees and m, or x,y,z in m for local positions",
     )
     reading.add_argument(
         "--from",
@@ -78,7 +76,9 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="use rows until S seconds after the first one",
     )
-    reading.add_argument("--whole", action="store_true", help="use rows on the ground and while not armed too")
+    reading.add_argument(
+        "--whole", action="store_true", help="also use rows on the ground and rows while the aircraft is not armed"
+    )
 
 
 def run(options: argparse.Namespace) -> None:

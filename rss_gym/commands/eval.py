@@ -46,7 +46,11 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--families", nargs="+", action="extend", metavar="NAME", help="draw from these families of encounters only"
     )
     add_workers(parser)
-    parser.add_argument("--reference", metavar="NAME", help="policy that completed-only figures are compared with")
+    parser.add_argument(
+        "--reference",
+        metavar="NAME",
+        help="policy for metrics of the flights that both it and the policy of the row completed (default: the first)",
+    )
     add_out(parser, "DIR", "new folder for scores and tables")
     parser.add_argument("--csv", action="store_true", help="write the tables as CSV too")
     parser.add_argument("--json", action="store_true", help="print scores.json instead of the table")

@@ -13,14 +13,16 @@ HELP = "make a policy folder, which cannot run code"
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of SB3")
+    parser.add_argument("source", metavar="RUN|MODEL", help="folder of a run, or a .zip of Stable-Baselines3")
     add_out(parser, "DIR", "new folder for the policy")
-    parser.add_argument("--env", metavar="ID", help="the id the .zip was trained in (default: rss_gym/Encounter-v0)")
-    parser.add_argument("--algorithm", help="ppo, recurrent-ppo or sac (default: what the .zip looks like)")
+    parser.add_argument(
+        "--env", metavar="ID", help="environment that the .zip was trained in (default: rss_gym/Encounter-v0)"
+    )
+    parser.add_argument("--algorithm", help="ppo, recurrent-ppo or sac (default: found from the .zip)")
     parser.add_argument(
         "--statistics",
         metavar="FILE",
-        help="what VecNormalize.save wrote, of a model that was trained on normalised observations",
+        help="file that VecNormalize.save wrote, if the model was trained on normalised observations",
     )
     parser.add_argument(
         "--set",

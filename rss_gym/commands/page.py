@@ -12,12 +12,21 @@ HELP = "write the page on which a person flies against a shipped agent"
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("page", choices=["fly"], help="`fly`: fly the agent's part with the arrow keys")
-    parser.add_argument("--out", required=True, metavar="FILE", help="new file for the page, HTML")
+    parser.add_argument("page", choices=["fly"], help="fly: a person flies the agent's part with the arrow keys")
+    parser.add_argument("--out", required=True, metavar="FILE", help="new HTML file for the page")
     parser.add_argument("--overwrite", action="store_true", help="replace an older file of that name")
-    parser.add_argument("--agent", default="pathwise-plane", metavar="NAME", help="whom to fly against")
-    parser.add_argument("--suite", default="encounter-v0", metavar="SUITE", help="what is flown, in the plane")
-    parser.add_argument("--encounters", type=count, default=40, metavar="N", help="how many (default: 40)")
+    parser.add_argument(
+        "--agent",
+        default="pathwise-plane",
+        metavar="NAME",
+        help="shipped agent to fly against (default: pathwise-plane)",
+    )
+    parser.add_argument(
+        "--suite", default="encounter-v0", metavar="SUITE", help="planar suite to fly (default: encounter-v0)"
+    )
+    parser.add_argument(
+        "--encounters", type=count, default=40, metavar="N", help="number of encounters on the page (default: 40)"
+    )
 
 
 def run(options: argparse.Namespace) -> None:

@@ -13,20 +13,20 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the actions and their options."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION", help="each has its own --help")
     init = actions.add_parser("init", help="write the folder of an entry")
-    init.add_argument("folder", metavar="DIR", help="new folder")
+    init.add_argument("folder", metavar="DIR", help="new folder for the entry")
     init.add_argument(
         "--policy", required=True, metavar="NAME|DIR", help="folder of a learned policy or its run, or a policy's name"
     )
-    init.add_argument("--name", default="my-agent", help="of the entry (default: my-agent)")
-    init.add_argument("--author", default="your name", help="who sends it")
-    init.add_argument("--link", default="https://example.org/my-agent", metavar="URL", help="to the code")
-    init.add_argument("--suite", default="encounter-v0", help="a suite, or all (default: encounter-v0)")
-    check = actions.add_parser("check", help="do what the board does, without the sealed encounters")
+    init.add_argument("--name", default="my-agent", help="name of the entry (default: my-agent)")
+    init.add_argument("--author", default="your name", help="author of the entry")
+    init.add_argument("--link", default="https://example.org/my-agent", metavar="URL", help="address of the code")
+    init.add_argument("--suite", default="encounter-v0", help="suite to be scored on, or all (default: encounter-v0)")
+    check = actions.add_parser("check", help="check and fly the entry as the board does, without the sealed encounters")
     check.add_argument("folder", metavar="DIR", help="folder of the entry")
     check.add_argument("--episodes", type=count, metavar="N", help="public encounters of each suite (default: 200)")
     pack = actions.add_parser("pack", help="write the entry as one file")
     pack.add_argument("folder", metavar="DIR", help="folder of the entry")
-    pack.add_argument("--to", metavar="FILE", help="default: DIR.zip")
+    pack.add_argument("--to", metavar="FILE", help="file to write (default: DIR.zip)")
 
 
 def run(options: argparse.Namespace) -> None:

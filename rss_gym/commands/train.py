@@ -13,8 +13,10 @@ HELP = "train agents by a recipe, or go on with a run"
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("recipe", nargs="?", metavar="RECIPE", help="name of a shipped recipe, or a TOML file")
-    parser.add_argument("--env", metavar="ID", help="train in another id than the recipe's")
-    parser.add_argument("--steps", type=count, metavar="N", help="decisions of one seed, over all rows")
+    parser.add_argument("--env", metavar="ID", help="environment to train in (default: that of the recipe)")
+    parser.add_argument(
+        "--steps", type=count, metavar="N", help="decisions of one training, over all rows of its batch"
+    )
     parser.add_argument(
         "--seeds", type=count, metavar="N", help="number of trainings that differ in their seed only (default: 1)"
     )

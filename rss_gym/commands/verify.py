@@ -14,10 +14,15 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("folder", metavar="DIR", help="folder with scores.json")
     parser.add_argument(
-        "--all", action="store_true", dest="every", help="fly all episodes and kept flights again, not a sample"
+        "--all",
+        action="store_true",
+        dest="every",
+        help="fly all episodes and all kept flights again, not a sample of them",
     )
-    parser.add_argument("--seed", type=int, help="draws that sample of episodes again (default: a new one each time)")
-    parser.add_argument("--trust", action="store_true", help="run the code of policies given as module:attribute too")
+    parser.add_argument("--seed", type=int, help="seed of the sample of episodes (default: a new one each time)")
+    parser.add_argument(
+        "--trust", action="store_true", help="also run the code of policies that are given as module:attribute"
+    )
     add_workers(parser)
     parser.add_argument("--json", action="store_true", help="print the verdict as JSON")
 

@@ -1,4 +1,4 @@
-"""Where the other is and how it moves: a tracker makes one relative state with its covariance of what is sensed.
+"""Trackers: each combines what is sensed of an intruder into one relative state with its covariance.
 
 It runs once a decision for every intruder, after sensing, on `sensed.OWN` and `sensed.OTHER` alone. `latest` holds the
 message, `fused` filters messages, velocities and range, `bearings` knows ranges and velocities only. A new one is one

@@ -16,10 +16,14 @@ PAGE = "docs/world.md"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """How much is flown and trained."""
     parser.add_argument(
-        "--episodes", type=count, default=20_000, metavar="N", help="encounters of a row, unless its section says more"
+        "--episodes",
+        type=count,
+        default=20_000,
+        metavar="N",
+        help="encounters of a row of the tables, unless its section says otherwise",
     )
-    parser.add_argument("--decisions", type=count, default=3_000_000, metavar="N", help="length of each training")
-    parser.add_argument("--seeds", type=count, default=5, metavar="N", help="trainings")
+    parser.add_argument("--decisions", type=count, default=3_000_000, metavar="N", help="decisions of each training")
+    parser.add_argument("--seeds", type=count, default=5, metavar="N", help="number of trainings")
 
 
 def run(options: argparse.Namespace) -> Iterator[Part]:
