@@ -50,7 +50,7 @@ clients: .venv/.base ## run other libraries against this package, each in an env
 	$(BIN)/python tests/clients/run.py
 
 # A season of the package's own policies in runs/board, its secret and key beside it; nothing of it is published by itself.
-BOARD_SUITES ?= encounter-v0 encounter3d-v0 range-only-v0 gnss-v0 radios-v0 turning-v0 degenerate-v0 separating-v0 merging-v0 highway-v0
+BOARD_SUITES ?= encounter-v0 encounter3d-v0 range-only-v0 gnss-v0 radios-v0 turning-v0 degenerate-v0 separating-v0 merging-v0 highway-v0:100
 BOARD_ENCOUNTERS ?= 1000
 board: .venv/.done ## fly a sealed season of all policies and write its pages, runs/board/site (goes on where it was interrupted)
 	test -f runs/board/season.json || $(BIN)/rss-gym board new runs/board/season.json --name own --suites $(BOARD_SUITES) \

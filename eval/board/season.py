@@ -7,6 +7,7 @@ the season's file; from then on anyone can fly the sealed encounters.
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import hashlib
 import hmac
@@ -18,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rss_gym.arguments import count
 from rss_gym.core import SEED_LIMIT
 from rss_gym.eval.evaluate import is_name
 from rss_gym.eval.reading.plain import RecordError, checked, parse, read_file
@@ -88,6 +90,16 @@ class Season:
 def new(path: str | os.PathLike[str], name: str, suites: list[str], public: int, sealed: int) -> Season:
     """Write a new season, and beside it the secret, which must not be published before it closes.
 
+    Parameters
+    ----------
+    path : path
+        New file.
+    name : str
+    suites : list of str
+        Names; `highway-v0:100` flies at most so many public and so many sealed encounters of this suite.
+    public, sealed : int
+        Encounters of the other suites.
+
     Raises
     ------
     ParamsError
@@ -98,14 +110,24 @@ def new(path: str | os.PathLike[str], name: str, suites: list[str], public: int,
         if file.exists():
             raise ParamsError(f"season {str(file)!r} exists; a season's secret is drawn once")
     secret = secrets.token_hex(32)
-    flown = tuple(
-        Flown(suite.name, suite.hash, min(public, suite.episodes), sealed) for suite in (find(one) for one in suites)
-    )
+    flown = tuple(_flown(one, public, sealed) for one in suites)
     season = Season(name, flown, hashlib.sha256(bytes.fromhex(secret)).hexdigest())
     _checked(str(target), season.to_dict())
     write_private(_secret_file(target), secret.encode())
     _write(target, season)
     return season
+
+
+def _flown(text: str, public: int, sealed: int) -> Flown:
+    """A suite by its name, with a number of its own after a colon or without."""
+    name, colon, number = text.partition(":")
+    if colon:
+        try:
+            public = sealed = count(number)
+        except argparse.ArgumentTypeError as error:
+            raise ParamsError(f"suite {text!r}: the number of encounters {error}") from error
+    suite = find(name)
+    return Flown(suite.name, suite.hash, min(public, suite.episodes), sealed)
 
 
 def load(path: str | os.PathLike[str]) -> Season:

@@ -18,7 +18,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     new.add_argument("season", metavar="FILE", help="new file, such as season-1.json")
     new.add_argument("--name", required=True, help="name of the season, such as 2026-1")
-    new.add_argument("--suites", nargs="+", required=True, metavar="NAME", help="suites to fly")
+    new.add_argument("--suites", nargs="+", required=True, metavar="NAME[:N]", help="suites to fly; N: how often")
     new.add_argument(
         "--public", type=count, default=10_000, metavar="N", help="public encounters of each suite (default: 10000)"
     )

@@ -204,6 +204,16 @@ def test_pages(flown, tmp_path):
     assert [row["place"] for row in rows] == [1, 2, 3] and rows[-1]["entry"] == "Fleeing"
 
 
+def test_a_suite_may_have_a_number_of_its_own(tmp_path):
+    made = season.new(tmp_path / "s.json", "s", [f"{SUITE}:5", "encounter-v0"], 20, 30)
+    assert [(one.name, one.public, one.sealed) for one in made.suites] == [(SUITE, 5, 5), ("encounter-v0", 20, 30)]
+    assert season.load(tmp_path / "s.json") == made
+    for text in (f"{SUITE}:", f"{SUITE}:0", f"{SUITE}:many", f"{SUITE}:-3"):
+        with pytest.raises(ParamsError, match=r"number of encounters|public = (0|-3) must be"):
+            season.new(tmp_path / "t.json", "t", [text], 20, 30)
+    assert not (tmp_path / "t.json").exists()
+
+
 def test_the_commands(tmp_path, flown, capsys):
     new = ["board", "new", str(tmp_path / "s.json"), "--name", "s", "--suites", SUITE, "--public", "3", "--sealed", "3"]
     assert main(new) == 0 and main(new) == 2
