@@ -18,7 +18,7 @@ help: ## show this list
 
 setup: .venv/.done ## create .venv with everything the other targets need
 
-demo: .venv/.base ## fly the rule of the paper beside others and learned agents, and print the scores (1-2 minutes)
+demo: .venv/.base ## fly the rule of the paper beside others and learned agents, and print the scores (some two minutes on two idle cores)
 	$(BIN)/rss-gym demo
 
 test: .venv/.done ## run all tests; skipped ones are listed with their reasons
