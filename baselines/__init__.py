@@ -167,6 +167,10 @@ def parse(spec: str, params: Params | None = None) -> Parsed:
     rule, at, information = head.partition("@")
     kinds = {**road.POLICIES, **POLICIES} if params is None else policies(params)
     if rule not in kinds and rule not in AGENTS:
+        if os.sep in rule or os.path.lexists(rule):
+            raise ParamsError(
+                f"policy {rule!r} is unknown: {_no_policy(rule)}; a learned policy is a folder with {DOCUMENT}"
+            )
         where = " on a road" if kinds is road.POLICIES else ""
         raise ParamsError(f"policy {rule!r} is unknown{where}{suggestion(rule, [*kinds, *AGENTS])}")
     if at and information not in LEVELS:
@@ -191,6 +195,17 @@ def parse(spec: str, params: Params | None = None) -> Parsed:
         if not equals:
             raise ParamsError(f"option {key!r} of policy {rule!r} has no value; write {key}=number")
     return Parsed(rule, information or None, options, base or None)
+
+
+def _no_policy(path: str) -> str:
+    """What is at a path where a policy was looked for."""
+    if os.path.isdir(path):
+        return f"a folder without {DOCUMENT} or {os.path.join(RUN_AGENT, DOCUMENT)}"
+    return (
+        "a link to nothing"
+        if os.path.islink(path) and not os.path.exists(path)
+        else ("a file" if os.path.exists(path) else "no folder of that name")
+    )
 
 
 def make(spec: str, params: Params | None = None) -> Scripted | Agent:

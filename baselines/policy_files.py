@@ -124,7 +124,7 @@ def _read(path: Path, limit: int) -> bytes:
 def document_of(text: bytes) -> dict[str, Any]:
     """The document, its fields and their kinds checked."""
     try:
-        document = json.loads(text)
+        document = json.loads(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise ParamsError(f"{DOCUMENT} is not JSON: {error}") from error
     checked(DOCUMENT, "", document, FIELDS)

@@ -26,6 +26,7 @@ from rss_gym.progress import progress_bar
 
 ALL = "all"  # in place of a policy's name
 NAME_MAX = 200  # characters of a policy's name
+EPISODES_MAX = 10**9
 
 
 @dataclass(frozen=True)
@@ -200,6 +201,8 @@ def _numbers(episodes: Any) -> range:
             raise ParamsError(f"episodes must be a range of step 1 within [0, 2**63) that is not empty, got {episodes}")
         return episodes
     _check_count("episodes", episodes)
+    if episodes > EPISODES_MAX:
+        raise ParamsError(f"episodes must be {EPISODES_MAX:,} at most, got {episodes}")
     return range(int(episodes))
 
 

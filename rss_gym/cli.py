@@ -89,6 +89,8 @@ def _asked(given: list[str]) -> list[str]:
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one sentence, with the nearest option that exists."""
 
+    given: Sequence[str] = ()
+
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As argparse does; an argument that is left over is named."""
         options, left = self.parse_known_args(args, namespace)
@@ -100,13 +102,23 @@ class Parser(argparse.ArgumentParser):
             self.error(f"{options.command} has no option {name!r}{suggestion(name, known)}")
         return options
 
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does; what was given is kept for its errors."""
+        self.given = list(args or ())
+        return super().parse_known_args(args, namespace)
+
     def options_of(self, command: str) -> list[str]:
         """The names of the options of a command."""
         commands = next(a for a in self._actions if isinstance(a, argparse._SubParsersAction))
         return list(commands.choices[command]._option_string_actions)
 
     def error(self, message: str) -> NoReturn:
-        """Refuse the arguments."""
+        """Refuse the arguments; a mistyped option comes before one that is missing."""
+        known = [name for name in self._option_string_actions if name.startswith("--")]
+        names = [item.partition("=")[0] for item in self.given if item.startswith("--")]
+        wrong = next((name for name in names if not any(option.startswith(name) for option in known)), None)
+        if "are required" in message and wrong is not None and self.prog != "rss-gym":
+            message = f"no option {wrong!r}{suggestion(wrong, known)}"
         raise ParamsError(message if self.prog == "rss-gym" else f"{self.prog.removeprefix('rss-gym ')}: {message}")
 
 

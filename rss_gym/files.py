@@ -269,13 +269,20 @@ def check_new(out: str | os.PathLike[str]) -> Path:
     """
     if "\0" in os.fspath(out):
         raise ParamsError(f"output folder {str(out)!r} cannot be written: no name holds a null")
+    if not os.fspath(out):
+        raise ParamsError("the name of the output folder is empty; name a new folder")
     target = Path(out).absolute()
     if os.path.realpath(target) in _held:
         return target
     try:
         if target.is_dir() and set(os.listdir(target)) - {MARK, *_left(target)}:
+            link = " is a symbolic link, whose folder" if target.is_symlink() else ""
+            way = "" if link else ", or give the command --overwrite"
+            raise ParamsError(f"output folder {str(out)!r}{link} exists and is not empty; name a new one{way}")
+        if target.is_symlink() and not target.exists():
+            aim = os.readlink(target)
             raise ParamsError(
-                f"output folder {str(out)!r} exists and is not empty; name a new one, or give the command --overwrite"
+                f"output folder {str(out)!r} is a symbolic link to {aim!r}, which is no folder; name another"
             )
         if target.exists() and not target.is_dir():
             raise ParamsError(f"output folder {str(out)!r} is a file; name a new folder")

@@ -109,6 +109,40 @@ def test_a_mistyped_option_is_told_the_nearest(capsys):
         assert "did you mean '--episodes'" in err or not wrong.startswith("--")
 
 
+@pytest.mark.parametrize("wrong", ["--polcy", "--Policy", "--policies", "--agent"])
+@pytest.mark.parametrize("joined", [False, True])
+def test_a_mistyped_option_comes_before_the_one_that_is_missing(capsys, wrong, joined):
+    given = [f"{wrong}=none"] if joined else [wrong, "none"]
+    status, _, err = run(capsys, "eval", *given, "--out", "x")
+    assert status == 2 and one_sentence(err) and repr(wrong) in err and "required" not in err
+
+
+@pytest.mark.parametrize("count", ["1e99", "1e15", "9999999999999", "1e12"])
+def test_more_episodes_than_any_machine_flies_are_refused(capsys, tmp_path, count):
+    status, _, err = run(capsys, "eval", "--policy", "none", "--out", str(tmp_path / "x"), "--episodes", count)
+    assert status == 2 and one_sentence(err) and "episodes" in err and "1,000,000,000" in err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        ("missing", "no folder of that name"),
+        ("empty", "a folder without policy.json"),
+        ("link", "a link to nothing"),
+        ("file", "a file"),
+        ("missing/agent/", "no folder of that name"),
+    ],
+)
+def test_a_path_that_holds_no_policy_says_what_it_is(capsys, tmp_path, made, words):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file").write_text("")
+    (tmp_path / "link").symlink_to("gone")
+    path = os.path.join(tmp_path, made)
+    status, _, err = run(capsys, "eval", "--policy", path, "--out", str(tmp_path / "x"), "--episodes", "2")
+    assert status == 2 and one_sentence(err) and path in err and words in err and "known:" not in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -239,3 +239,28 @@ def test_a_full_disk_leaves_no_half_file(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code, tmp_path / "run"], capture_output=True, text=True, check=True)
     assert "cannot be written" in done.stdout and "File too large" in done.stdout and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("aim", ["gone", "loop", "file", "deep/er"])
+def test_a_link_to_no_folder_is_named_as_one(tmp_path, aim):
+    (tmp_path / "file").write_text("")
+    link = tmp_path / "loop"
+    link.symlink_to(aim)
+    with pytest.raises(ParamsError, match=r"loop' is a (symbolic link to .* no folder|file)"), new_folder(link):
+        pass
+    assert link.is_symlink() and sorted(path.name for path in tmp_path.iterdir()) == ["file", "loop"]
+
+
+def test_a_link_is_not_overwritten_and_not_told_to_be(tmp_path):
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "scores.json").write_text("{}")
+    link = tmp_path / "link"
+    link.symlink_to("old")
+    with pytest.raises(ParamsError, match="is a symbolic link") as caught, overwritten(link), new_folder(link):
+        pass
+    assert "--overwrite" not in str(caught.value) and (tmp_path / "old" / "scores.json").read_text() == "{}"
+
+
+def test_a_folder_without_a_name_is_refused():
+    with pytest.raises(ParamsError, match="name of the output folder is empty"), new_folder(""):
+        pass
