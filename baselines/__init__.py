@@ -201,11 +201,9 @@ def _no_policy(path: str) -> str:
     """What is at a path where a policy was looked for."""
     if os.path.isdir(path):
         return f"a folder without {DOCUMENT} or {os.path.join(RUN_AGENT, DOCUMENT)}"
-    return (
-        "a link to nothing"
-        if os.path.islink(path) and not os.path.exists(path)
-        else ("a file" if os.path.exists(path) else "no folder of that name")
-    )
+    if os.path.exists(path):
+        return "a file"
+    return "a link to nothing" if os.path.islink(path) else "no folder of that name"
 
 
 def make(spec: str, params: Params | None = None) -> Scripted | Agent:

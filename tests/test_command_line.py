@@ -140,7 +140,7 @@ def test_a_path_that_holds_no_policy_says_what_it_is(capsys, tmp_path, made, wor
     (tmp_path / "link").symlink_to("gone")
     path = os.path.join(tmp_path, made)
     status, _, err = run(capsys, "eval", "--policy", path, "--out", str(tmp_path / "x"), "--episodes", "2")
-    assert status == 2 and one_sentence(err) and path in err and words in err and "known:" not in err
+    assert status == 2 and one_sentence(err) and path in err and words in err and "; known:" not in err
 
 
 @pytest.mark.parametrize(

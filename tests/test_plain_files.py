@@ -8,7 +8,8 @@ import time
 
 import pytest
 
-from rss_gym.eval.reading.plain import parse
+from rss_gym.baselines import AGENTS
+from rss_gym.baselines.policy_files import document_of
 from rss_gym.params import ParamsError, load_channel
 from rss_gym.plain_files import read_json, read_plain, read_toml
 
@@ -111,4 +112,5 @@ def test_a_byte_order_mark_is_read_over(tmp_path):
     (tmp_path / "a.json").write_bytes(b'\xef\xbb\xbf{"a": 1}')
     assert load_channel(tmp_path / "a.toml").path_loss_factor == 3.5
     assert read_json(tmp_path / "a.json", 100) == {"a": 1}
-    assert parse(b'\xef\xbb\xbf{"a": 1}', "scores.json") == {"a": 1}
+    document = (AGENTS["ppo-plane"] / "policy.json").read_bytes()
+    assert document_of(b"\xef\xbb\xbf" + document) == document_of(document)

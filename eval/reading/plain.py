@@ -45,7 +45,7 @@ def parse(data: bytes, file: str) -> Any:
         return value
 
     try:
-        text = data.decode("utf-8-sig")
+        text = data.decode("utf-8")
         _check_depth(text, file)
         return json.loads(text, object_pairs_hook=pairs, parse_float=number, parse_constant=number)
     except RecordError:
