@@ -16,7 +16,8 @@ from rss_gym.params import Params
 class PassBehind:
     """Flies to the side that the intruder comes from while the track predicts a near miss, and back to its path after.
 
-    All that the evaluator asks for is `predict`, as Stable-Baselines3 has it, on batches.
+    It shows how a policy is written, and costs more than the rules. All that the evaluator asks for is `predict`, as
+    Stable-Baselines3 has it, on batches.
 
     Parameters
     ----------
