@@ -34,7 +34,7 @@ extensions = [
     "extensions.generated",
     "extensions.equations",
     "extensions.mathml",
-    "extensions.fly",
+    "extensions.commands",
     "extensions.links",
 ]
 exclude_patterns = ["_templates", "extensions", "**/.ipynb_checkpoints", "gallery/*.ipynb", "gallery/*.py"]

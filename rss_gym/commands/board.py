@@ -49,6 +49,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     site.add_argument(
         "--season", required=True, nargs="+", metavar="FILE", help="files of the seasons, the newest first"
     )
+    site.add_argument(
+        "--replays", type=count, default=2, metavar="N", help="worst encounters of each row to fly again (default: 2)"
+    )
     add_out(site, "SITE", "new folder for the pages")
 
 
@@ -88,5 +91,5 @@ def run(options: argparse.Namespace) -> int:
         lines = chain.read(f"{options.board}/{chain.BOARD}", options.key)
         print(f"{len(lines)} lines follow each other; the last is {chain.head(f'{options.board}/{chain.BOARD}')}")
     else:
-        print(f"pages: {site.build(options.board, options.season, options.out)}")
+        print(f"pages: {site.build(options.board, options.season, options.out, options.replays)}")
     return 0

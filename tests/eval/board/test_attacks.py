@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from rss_gym import baselines
+from rss_gym import baselines, observation
 from rss_gym.core import SEED_LIMIT
 from rss_gym.eval.board import breaks, chain, fly, gather, season, site, verdict
 from rss_gym.eval.board.entry import FILES, read
@@ -20,7 +20,7 @@ from rss_gym.eval.board.fly import Places
 from rss_gym.eval.board.limits import Limits, fly_here, fly_limited
 from rss_gym.eval.board.pack import pack, unpack
 from rss_gym.eval.board.standing import standings
-from rss_gym.eval.episodes import PolicyError
+from rss_gym.eval.episodes import Block, PolicyError, fly_all, start
 from rss_gym.eval.reading import RecordError
 from rss_gym.eval.suites import find
 from rss_gym.params import ParamsError
@@ -356,22 +356,54 @@ def test_fleeing_leads_nothing(flown):
     assert rows["Fleeing"].place == 3 and rows["Fleeing"].more is not None and rows["Fleeing"].more[0] > 0.0
 
 
-def test_memorising_the_public_encounters_is_seen_and_does_not_count(board, change):
-    """An agent that knows each public encounter: nothing there costs anything, the sealed ones are as they are."""
-    folder = shutil.copytree(board / "entries" / "c", board / "entries" / "z")
-    change(folder, policy='"constant:right_m=800"', name='"memory"', author='"Zed"')
+def memoriser(folder, suite, count):
+    """Make the entry's network know each public encounter by the planned speed, which the flight does not change.
 
-    def runner(job):
-        table = fly_here(job)
-        if job.name == "memory" and job.seed == 0:
-            for column in ("cost_m", "deviation_mean_m"):
-                table[column] = 0.0
-            table["collision"] = table["snmac"] = False
-        return table
+    Three ReLUs make a bump at the speed of every encounter in which `none` collides; there it flies to the right.
+    """
+    column = [field.name for field in observation.fields(suite.params)].index("cruise_mps")
+    block = Block(suite.split, suite.seed, range(count))
+    speeds = start(suite.params, block).observations[:, column].astype(np.float64)
+    collided = fly_all(baselines.make("none", suite.params), "none", suite.params, block)["collision"].astype(bool)
+    width = np.diff(np.sort(speeds)).min() / 2.0
+    known = speeds[collided]
+    inputs = len(observation.fields(suite.params))
+    first, bias, last = np.zeros((inputs, 3 * len(known))), np.zeros(3 * len(known)), np.zeros((3 * len(known), 2))
+    first[column] = 1.0 / width
+    for k, speed in enumerate(known):
+        bias[3 * k : 3 * k + 3] = -(speed + width * np.array([-1.0, 0.0, 1.0])) / width
+        last[3 * k : 3 * k + 3, 1] = 1.0, -2.0, 1.0
+    file = folder / "policy" / "policy.json"
+    document = json.loads(file.read_text())
+    document["network"] |= {"layers": [3 * len(known)], "activation": "relu"}
+    file.write_text(json.dumps(document))
+    save_file(
+        {"0.weight": first, "0.bias": bias, "1.weight": last, "1.bias": np.zeros(2)},
+        folder / "policy" / "policy.safetensors",
+    )
 
-    fly.fly(board / "entries", board / "season.json", board / "board", runner=runner, references=False)
-    rows = places(board)
-    assert rows["memory"].alarm and rows["memory"].place > 2 and not rows["wide-turner"].alarm
+
+def save_file(tensors, path):
+    header, data = {}, b""
+    for name, values in sorted(tensors.items()):
+        raw = np.asarray(values, np.float32).tobytes()
+        header[name] = {"dtype": "F32", "shape": list(values.shape), "data_offsets": [len(data), len(data) + len(raw)]}
+        data += raw
+    text = json.dumps(header).encode()
+    path.write_bytes(struct.pack("<Q", len(text)) + text + data)
+
+
+def test_a_network_that_has_memorised_the_public_encounters_is_seen_and_does_not_count(make_entry, tmp_path):
+    make_entry("a")
+    memoriser(make_entry("z", AGENT, name="memory", author="Zed"), find("smoke-v0"), 100)
+    file, board = tmp_path / "season.json", tmp_path / "board"
+    season.new(file, "first", ["smoke-v0"], 100, 100)
+    fly.fly(tmp_path / "entries", file, board, runner=fly_here, references=False)
+    (rows,) = standings(chain.read(board / chain.BOARD), "first", "smoke-v0").values()
+    honest, memory = rows
+    public, sealed = (memory.line[kind]["metrics"]["collision_rate"]["value"] for kind in ("public", "sealed"))
+    assert public <= 0.01 and sealed >= 0.2
+    assert memory.line["entry"]["name"] == "memory" and memory.alarm and not honest.alarm
 
 
 def test_flying_exactly_as_another_is_no_place_of_its_own(board, change):
