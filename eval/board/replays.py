@@ -79,7 +79,8 @@ def page_of(suite: Suite, line: Mapping[str, Any], found: Sequence[Case]) -> Mar
     """The page of an entry's replays on a suite."""
     name = line["entry"]["name"]
     data = player(suite, name, found)
-    lead = Markup(
-        'The public encounters of {} that cost <a href="{}.html">{}</a> most, season {}.'  # escaped by `format`
-    ).format(suite.name, line["entry_hash"][:16], name, line["season"])
-    return page.render(f"{name} on {suite.name}", lead, [Section("Replays", replay.markup(data), data)], SCRIPTS)
+    lead = Markup(  # what comes from outside is escaped by `format`
+        '<a href="{}.html">Entry {}</a>, season {}.'
+    ).format(line["entry_hash"][:16], name, line["season"])
+    shown = replay.markup(data, "The public encounters that cost the entry most")
+    return page.render(f"{name} on {suite.name}", lead, [Section("Replays", shown, data)], SCRIPTS)

@@ -3,40 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from markupsafe import Markup
 
 from rss_gym.eval.board.standing import Row as Standing
+from rss_gym.eval.columns import AIR, MORE
 from rss_gym.eval.intervals import Interval
 from rss_gym.eval.ranking import FRONT
 from rss_gym.pages.markup import renderer
-from rss_gym.pages.numbers import figures
 from rss_gym.pages.table import Cell, Column, Row, Table
 
 render = renderer(__file__)
-COST = Column("cost, sealed", "m", figures)
-PUBLIC = Column("cost, public", "m", figures)
+# Metric -> how it is shown; a season has some thousand encounters.
+SHOWN = {"collision_rate": ".4f", "snmac_rate": ".4f", "path_deviation_mean_m": ".1f"}
+COST = replace(AIR["cost_m"], title="cost, sealed", form=",.1f")
+PUBLIC = replace(COST, title="cost, public")
+MORE_M = replace(MORE, form="+,.1f")
+COLLISIONS = replace(AIR["collision_rate"], title="collisions, sealed", form=".4f", interval=False)
 SUITES = (
     "suite",
     Column("entries", form=",", words=False),
     Column("first", words=True),
-    Column("its cost", "m", figures),
+    replace(COST, title="its cost"),
     "encounters, public and sealed",
 )
 STANDING = (
     "place",
     Column("entry", words=True, head=True),
     COST,
-    Column("more than the first", "m", figures),
+    MORE_M,
     PUBLIC,
-    Column("sealed less public", "m", figures),
-    Column("collision rate", form=figures),
-    Column("sNMAC rate", form=figures),
-    Column("deviation", "m", figures),
+    replace(MORE_M, title="sealed less public"),
+    *(replace(AIR[metric], form=form) for metric, form in SHOWN.items()),
 )
-OF_ENTRY = ("season and suite", "place", COST, PUBLIC, Column("collision rate, sealed", form=figures))
-SHOWN = ("collision_rate", "snmac_rate", "path_deviation_mean_m")
+OF_ENTRY = ("season and suite", "place", COST, PUBLIC, COLLISIONS)
 
 
 def season(suites: Sequence[Mapping[str, Any]]) -> Table:
@@ -64,7 +66,7 @@ def by(standings: Sequence[Standing], kind: str) -> Table | None:
     if len(names) < 2:
         return None
     rows = ([one.line["entry"]["name"], *_costs(one.line["sealed"][kind], names)] for one in flown)
-    return Table(["entry", *(Column(name, form=figures) for name in names)], rows, "board")
+    return Table(["entry", *(replace(COST, title=name, unit="") for name in names)], rows, "board")
 
 
 def entry(rows: Sequence[Mapping[str, Any]]) -> Table:

@@ -136,6 +136,9 @@ def again(entry: Entry, split: str, seed: int, row: np.void) -> dict[str, Any]:
     return {"same": same, **flight.to_dict()}
 
 
-def markup(data: dict[str, Any] | None) -> Markup:
-    """The markup round the player, which the page's script shows and fills with what `player` gave."""
-    return render("replays.html", data=data, nothing=NOTHING, nominal=NOMINAL)
+def markup(data: dict[str, Any] | None, which: str = "Each policy's encounters with the least separation") -> Markup:
+    """The markup round the player, which the page's script shows and fills with what `player` gave.
+
+    `which` begins the sentence above it: whose encounters, and which.
+    """
+    return render("replays.html", data=data, which=which, nothing=NOTHING, nominal=NOMINAL)
