@@ -21,6 +21,7 @@ SHOWN = {"collision_rate": ".4f", "snmac_rate": ".4f", "path_deviation_mean_m": 
 COST = replace(AIR["cost_m"], title="cost, sealed", form=",.1f")
 PUBLIC = replace(COST, title="cost, public")
 MORE_M = replace(MORE, form="+,.1f")
+GAP = replace(MORE_M, title="sealed less public")
 COLLISIONS = replace(AIR["collision_rate"], title="collisions, sealed", form=".4f", interval=False)
 SUITES = (
     "suite",
@@ -35,7 +36,7 @@ STANDING = (
     COST,
     MORE_M,
     PUBLIC,
-    replace(MORE_M, title="sealed less public"),
+    GAP,
     *(replace(AIR[metric], form=form) for metric, form in SHOWN.items()),
 )
 OF_ENTRY = ("season and suite", "place", COST, PUBLIC, COLLISIONS)
@@ -83,7 +84,7 @@ def _standing(one: Standing) -> Row:
     if line["failed"]:
         return Row([place, name, *[""] * (len(STANDING) - 2)], class_)
     sealed, gap = line["sealed"]["metrics"], _estimate(line["gap_m"])
-    gap_cell = STANDING[5].cell(gap)
+    gap_cell = GAP.cell(gap)
     if one.alarm:
         gap_cell = Cell(f"{gap_cell.text} !", gap.value, gap.low, gap.high, gap_cell.ends, class_="alarm")
     more = Interval(*one.more, 0) if one.more else ""
