@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -212,6 +213,16 @@ def test_a_suite_may_have_a_number_of_its_own(tmp_path):
         with pytest.raises(ParamsError, match=r"number of encounters|public = (0|-3) must be"):
             season.new(tmp_path / "t.json", "t", [text], 20, 30)
     assert not (tmp_path / "t.json").exists()
+
+
+def test_the_season_of_the_site_can_be_flown_again():
+    """One sealed table of the package's own season comes out with the digest of its line."""
+    folder = Path(__file__).parents[3] / "docs" / "season"
+    lines, told = chain.read(folder / chain.BOARD), season.load(folder / "2026-1.json")
+    (line,) = [one for one in lines if (one["entry"]["name"], one["suite"]) == ("orca", "encounter-v0")]
+    seed = season.sealed_seed(told.secret, "encounter-v0")
+    result = evaluate("orca", "encounter-v0", line["sealed"]["episodes"], seed, workers=1, progress=False)
+    assert table_digest(result.policies[-1].table) == line["sealed"]["table_sha256"]
 
 
 def test_the_commands(tmp_path, flown, capsys):
