@@ -362,7 +362,7 @@ def test_a_run_of_other_numbers_is_refused(finished, tmp_path):
         run.resume(tmp_path)
     document["format"] = 7
     (tmp_path / "run.json").write_text(json.dumps(document))
-    with pytest.raises(ParamsError, match="format 7"):
+    with pytest.raises(ParamsError, match="format = 7 must be 1"):
         run.resume(tmp_path)
 
 
