@@ -54,7 +54,7 @@ def feed_forward(weights, biases, activations, inputs, outputs):
     Parameters
     ----------
     weights : tuple of (inputs, outputs) float64 arrays
-        Of each layer, C order.
+        The weights of each layer, C order.
     biases : tuple of (outputs,) arrays
     activations : (layers,) int array
         Values of `ACTIVATIONS`.

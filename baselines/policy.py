@@ -63,7 +63,7 @@ class Scripted(Group):
         Parameters
         ----------
         observation_ : (d,) or (n, d) array
-            Of the policy's `params`.
+            One or several observations of the policy's `params`.
         state : (n, m) array, optional
             As returned by the last call; None starts afresh.
         episode_start : (n,) bool array, optional

@@ -59,7 +59,7 @@ class Network:
     layers : tuple of int
         Units of the hidden layers.
     activation : str
-        Of the hidden layers, one of `ACTIVATIONS`.
+        The activation of the hidden layers, one of `ACTIVATIONS`.
     stack : int
         Observations of so many last decisions, oldest first, are the input; zero before the episode began.
     zeroed : str

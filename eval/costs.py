@@ -28,7 +28,7 @@ class Prices:
     deviation : float
         Per metre of mean deviation.
     snmac_m, collision_m : float
-        Of an encounter with the event.
+        The prices of an encounter with the event.
     """
 
     deviation: float = 1.0

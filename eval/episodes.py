@@ -136,7 +136,7 @@ def fly_episodes(
     Returns
     -------
     table : (count,) array
-        Of the columns of the domain, see `rss_gym.eval.table`.
+        A table with the columns of the domain, see `rss_gym.eval.table`.
     positions : list of (count, axes) arrays
         The agents' `positions_m` after each decision, and those that stay once all episodes have ended.
 

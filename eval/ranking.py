@@ -71,7 +71,7 @@ class Place:
     place : int or None
         From 1; None where it is not ranked.
     difference : Interval or None
-        Of its cost minus the first one's, in m; None for the first and where it is not ranked.
+        The difference of its cost from the first one's, in m; None for the first and where it is not ranked.
     front : bool
         Whether no other is as good in both collision rate and mean deviation and better in one.
     faults : int

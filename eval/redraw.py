@@ -21,7 +21,8 @@ def redraw(folder: str | os.PathLike[str]) -> Path:
     Returns
     -------
     Path
-        Of the page, byte for byte the one that was written with the record by the same version of this package.
+        The path of the page, byte for byte the one that was written with the record by the same version of this
+        package.
 
     Raises
     ------

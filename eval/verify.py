@@ -76,7 +76,7 @@ class Verdict:
     folder : str
     suite : str
     episodes : int
-        Of the record.
+        The number of encounters of the record.
     metrics : int
         How many were recomputed.
     flown : dict
@@ -86,7 +86,7 @@ class Verdict:
     flights : int
         How many of the flights that are kept for the page were flown again.
     seed : int
-        Of the sample of episodes flown again; with it the same sample is drawn.
+        The seed of the sample of episodes flown again; with it the same sample is drawn.
     differences : list of Difference
     versions : dict
         Package -> recorded and present version, where they differ.

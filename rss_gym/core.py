@@ -69,7 +69,7 @@ class NotFiniteError(RuntimeError):
     ----------
     split : str
     seed, episode : int
-        Of the row.
+        The seed and the number of the row's episode.
     """
 
     def __init__(self, split: str, seed: int, episode: int) -> None:

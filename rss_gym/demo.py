@@ -93,7 +93,7 @@ def run(out: str | os.PathLike[str], episodes: int, workers: int) -> Path:
     Returns
     -------
     Path
-        Of the page.
+        The path of the page.
 
     Raises
     ------

@@ -122,7 +122,7 @@ class Turn:
     Parameters
     ----------
     folder : Path
-        Of the cache.
+        The folder of the cache.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -243,7 +243,7 @@ class KernelCache(FunctionCache):
     folder : Path
         As `find` returns it.
     turn : Turn
-        Of the folder.
+        The turn that processes take to write into the folder.
     """
 
     def __init__(self, function: Any, folder: Path, turn: Turn) -> None:

@@ -39,11 +39,11 @@ class StepSensitivity(NamedTuple):
     state_slope : (n, S + A, S) array
         Derivative of the state after the step by each input.
     deviation_slope : (n, S + A) array
-        Of the distance from the predefined trajectory, summed over the ticks of the step, m.
+        The derivative of the distance from the predefined trajectory, summed over the ticks of the step, m.
     least_m : (n, 3) array
         Least margins in the step, from any intruder, m: by `EVENTS`.
     least_slope : (n, S + A, 3) array
-        Of these.
+        The derivatives of these margins.
     """
 
     state: np.ndarray

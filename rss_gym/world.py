@@ -52,7 +52,7 @@ def reset(state, seen, mask, split, seeds, numbers, observations):
     seen : core.Seen
     mask : (n,) bool array
     split, seeds, numbers : (n,) int64, uint64 and uint64 arrays
-        Of each row's episode.
+        The split, the seed and the number of each row's episode.
     observations : (n, d) float32 array
         Written in the rows of `mask`.
 

@@ -113,7 +113,7 @@ class Pathwise(Group):
     gradient_limit_m : float
         Greatest gradient of a flight's cost by the action of one decision.
     manoeuvre_price_m : float
-        Of a flight that leaves its path by more than 3 m, on top of its cost.
+        The price of a flight that leaves its path by more than 3 m, on top of its cost.
     """
 
     learning_rate: Schedule = field(default=Schedule(3e-3), metadata=within(1e-8, 1.0))

@@ -47,7 +47,7 @@ class Learner:
     ----------
     recipe : Recipe
     seed : int
-        Of the model and of the first row.
+        The seed of the model and of the first row.
     training_env : TrainingVecEnv
         The rows.
     venv : VecEnv

@@ -122,7 +122,7 @@ class TrainingCallback(BaseCallback):
     name : str
         For lines that are printed.
     record : dict
-        Of the training.
+        The record of the training.
     imitates : bool
         Whether the training begins with the imitation of a rule.
     """

@@ -242,7 +242,7 @@ def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER, encounters
     run : Path
         Folder of a finished run.
     name : str
-        Of the agent.
+        The name of the agent.
     limits : str
         Markdown for the card: what is known to go wrong.
     into : Path

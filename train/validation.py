@@ -37,7 +37,7 @@ class ValidationScore:
     candidate : Candidate
         For the ranking.
     metrics : dict of Estimate
-        Those of `METRICS`.
+        The metrics that `METRICS` names.
     """
 
     candidate: Candidate

@@ -36,7 +36,7 @@ def gather(
     unpacked : Path, optional
         Where packed entries are unpacked; without it they are refused.
     known : iterable of (name, author, policy hash)
-        Of the entries that the board has flown already: they were there first.
+        The entries that the board has flown already: they were there first.
 
     Raises
     ------

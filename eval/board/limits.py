@@ -53,7 +53,7 @@ class Job:
     ----------
     suite, suite_hash : str
     spec, name : str
-        Of the policy.
+        The specification of the policy, and its name.
     split : str
     seed : int
     first, count : int

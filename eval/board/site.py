@@ -43,7 +43,7 @@ def build(
     board : path
         Folder with `board.jsonl`.
     season_files : sequence of path
-        Of the seasons shown, newest first.
+        The files of the seasons shown, newest first.
     count : int
         Worst public encounters of each entry and suite that are flown again, drawn and played.
 

@@ -23,7 +23,7 @@ class Row:
     Attributes
     ----------
     line : dict
-        Of the board.
+        The line of the board.
     place : int or None
         By the cost on sealed encounters; None for one with faults, one that was not flown to its end, and one that
         flies exactly as another.
@@ -65,7 +65,7 @@ def standings(
     Parameters
     ----------
     lines : sequence of dict
-        Of the board.
+        The lines of the board.
     season, suite : str
     places : Places, optional
     sealed : int, optional

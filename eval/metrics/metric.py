@@ -45,9 +45,9 @@ class Flights:
     table : (n,) array of TABLE
         The policy's flights.
     none : (n,) array of TABLE
-        Those of the policy `none`, which follows the predefined trajectory.
+        The flights of the policy `none`, which follows the predefined trajectory.
     reference : (n,) array of TABLE or None
-        Those of the policy that completed-only figures are compared with.
+        The flights of the policy that completed-only figures are compared with.
     suite_radius_m : float
         S, the safety zone's radius.
     trials : int
@@ -57,7 +57,7 @@ class Flights:
     reaction_s : float
         t_r of (40), the time needed to react to a warning.
     prices : Prices
-        Of the parts of a cost.
+        The prices of the parts of a cost.
     """
 
     table: np.ndarray

@@ -50,7 +50,7 @@ def reproduce(size: Size | None = None, seed: int = 0, progress: bool | None = N
     size : Size, optional
         How much is run; default: the full size. `QUICK` has intervals too wide to show the small probabilities.
     seed : int
-        Of all noise, in [0, 2**31).
+        The seed of all noise, in [0, 2**31).
     progress : bool, optional
         Show a progress bar; default: when the error stream is a terminal.
 

@@ -71,7 +71,7 @@ def write(result: Result, folder: str | os.PathLike[str], more: Sequence[Section
     Returns
     -------
     Path
-        Of the page.
+        The path of the page.
     """
     flown = replay.fly(result)
     write_text(Path(folder) / FLIGHTS, json.dumps(flown.document(), separators=(",", ":")) + "\n")

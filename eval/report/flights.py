@@ -25,7 +25,7 @@ class Flown:
         (name of the policy, number of the encounter) -> `ReplayFlight.to_dict`, with `same`: whether it came out as
         scored.
     failed : tuple of str
-        Of each policy that failed when it was flown again, one sentence.
+        One sentence for each policy that failed when it was flown again.
     """
 
     flights: dict[tuple[str, int], dict[str, Any]]

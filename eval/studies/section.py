@@ -55,7 +55,7 @@ class Section:
         What was flown: encounters, split, seed.
     header : sequence of Column or str
     rows : sequence of sequences
-        Of each column a value, see `rss_gym.pages.table.Column.cell`.
+        A value for each column, see `rss_gym.pages.table.Column.cell`.
     criteria : sequence of Criterion
     """
 

@@ -44,7 +44,7 @@ def solve(prices_m, limits_m, speed_mps, drift_mps, flight_s, step_s, steps, hal
     Parameters
     ----------
     prices_m, limits_m : (2,) array
-        Of an sNMAC and a collision: what they cost, and the separations below which they happen.
+        What an sNMAC and a collision cost, and the separations below which they happen.
     speed_mps, drift_mps, flight_s : float
         u, a and T.
     step_s, steps, half_m, cell_m

@@ -28,7 +28,7 @@ def program(suite: Suite, agent: Agent) -> str:
     Parameters
     ----------
     suite : Suite
-        Of the air.
+        A suite of the air.
     agent : Agent
         A feed-forward policy of one observation.
 

@@ -16,7 +16,7 @@ class Cost:
     Attributes
     ----------
     terms : dict
-        Of the cost so far, m: `deviation`, `snmac`, `collision`.
+        The terms of the cost so far, m: `deviation`, `snmac`, `collision`.
     changes : dict
         What the last decision added to each; their sum is minus its reward.
     deviation_mean_m : float

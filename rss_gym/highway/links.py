@@ -107,7 +107,7 @@ def update_radio(
     ----------
     config_, channel_ : (1,) CONFIG, CHANNEL
     key : uint64
-        Of the episode.
+        The key of the episode.
     radio_range_m : float
         Beyond it a vehicle is not heard, and its filter ends.
     range_error_m : float

@@ -95,7 +95,7 @@ class RoadParams(Params):
         ----------
         params : RoadParams or dict, optional
         frequencies : (float, float), optional
-            Of the simulation and of the policy, Hz; default: those of the scene's configuration.
+            The frequencies of the simulation and of the policy, Hz; default: those of the scene's configuration.
         vehicles : int
             How many of the nearest vehicles are observed, 1 to 8.
         channel : str, path, dict, Channel or a list of these
@@ -105,7 +105,7 @@ class RoadParams(Params):
         zone, ranging, navigation, reward : dict
             Fields of these groups that differ.
         scene, config, radio_range_m, radio, driver
-            Those of `Road`.
+            As in `Road`.
 
         Raises
         ------

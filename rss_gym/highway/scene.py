@@ -19,12 +19,12 @@ class Scene:
     Parameters
     ----------
     module, name : str
-        Of its class.
+        Where its class is: the module, and the name in it.
     summary : str
     speed_relative_max_mps : float
         |v| of (40): how fast two vehicles of this road can close.
     duration_s : float
-        Of an episode that no collision and no arrival ends earlier.
+        The length of an episode that no collision and no arrival ends earlier.
     config : dict
         What differs from highway-env's own configuration.
     """

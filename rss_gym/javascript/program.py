@@ -47,7 +47,7 @@ class Program:
         function : callable
             A kernel, or a plain function.
         kinds : sequence of Kind
-            Of its arguments.
+            The kinds of its arguments.
 
         Returns
         -------

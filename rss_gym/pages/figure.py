@@ -89,7 +89,7 @@ def figure(
     label : str
         What it shows, for readers who do not see it.
     rows, columns : int
-        Of the grid of axes; one by one gives a single axes object.
+        The size of the grid of axes; one by one gives a single axes object.
     width_in, height_in : float
         Size in inches, at 72 pixels each; the page scales it down to its width.
     **subplots

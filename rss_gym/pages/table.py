@@ -25,7 +25,7 @@ class Cell:
     value, low, high : float, optional
         All digits, by which a page sorts; None for a text.
     ends : (str, str), optional
-        Of the interval, as shown.
+        The ends of the interval, as shown.
     unit : str
         Behind the number, where the rows of a column have different ones.
     mark : str
@@ -35,7 +35,7 @@ class Cell:
     dot : str, optional
         On a page only: the name of a policy, of limited width, behind a dot with this class of colour, if it is one.
     class_, style : str
-        Of the element, on a page only.
+        The class and the style of the element, on a page only.
     strong : bool
         In bold in Markdown and on a page.
     """
@@ -146,9 +146,9 @@ class Table:
     columns : iterable of Column or str
         A text is the title of a column without a unit.
     rows : iterable of Row or sequence
-        Of each column a value, see `Column.cell`.
+        A value for each column, see `Column.cell`.
     class_ : str
-        Of the table on a page; `sortable` lets a reader sort by a click.
+        The class of the table on a page; `sortable` lets a reader sort by a click.
     """
 
     def __init__(self, columns: Iterable[Any], rows: Iterable[Row | Sequence[Any]], class_: str = "") -> None:

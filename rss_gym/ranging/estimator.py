@@ -78,7 +78,7 @@ class Estimator:
     compared : bool
         `rss-gym calibrate` has it in its table.
     code : int
-        Of a loop of its own in `rss_gym.links`; -1 flies by its filter.
+        The number of a loop of its own in `rss_gym.links`; -1 flies by its filter.
     """
 
     title: str

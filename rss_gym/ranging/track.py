@@ -144,7 +144,7 @@ def track(
     Returns
     -------
     RangeTrack
-        Of the shape of `rss_dbm`.
+        A track in the shape of `rss_dbm`.
 
     Raises
     ------

@@ -36,7 +36,7 @@ class Flight:
     Attributes
     ----------
     name : str
-        Of the policy.
+        The name of the policy.
     scenes : list of Scene
         The start, and the moment after each decision.
     cost_m : float
@@ -67,7 +67,7 @@ def fly(env: Any, policy: Any, name: str, seed: int) -> Flight:
     name : str
         For the title.
     seed : int
-        Of the encounter; the same one gives every policy the same.
+        The seed of the encounter; the same one gives every policy the same.
     """
     recorder = Recorder()
     batch = env.unwrapped.batch
@@ -102,7 +102,7 @@ def beside(flights: Sequence[Flight], index: int, width_px: int) -> NDArray[np.u
     flights : sequence of Flight
         One that is over stays at its end.
     index : int
-        Of the scene.
+        The number of the scene.
     width_px : int
         Width of a picture, at least 400; its height is three quarters of that.
 

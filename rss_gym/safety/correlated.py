@@ -63,7 +63,7 @@ def miss_probability_correlated(
     Returns
     -------
     ndarray or float
-        Of the shape of `trials`. For rho = 0 it is (32).
+        The probabilities, in the shape of `trials`. For rho = 0 they are (32).
 
     Raises
     ------

@@ -34,7 +34,7 @@ def count_missed(
     trials : int
         Trials to run, 1 to 2^31.
     key : int
-        Of the random numbers, 0 to 2^63 - 1; each trial draws from its own stream.
+        The key of the random numbers, 0 to 2^63 - 1; each trial draws from its own stream.
     first : int
         Number of the first trial, 0 to 2^31: a long run may be cut into parts, whose counts add up.
 

@@ -42,7 +42,8 @@ class Tracker:
     information : tuple of str
         The levels that it is for: "positions", where messages hold them, "ranges", or both.
     code : int
-        Of a branch of its own in `rss_gym.tracking.advance`; -1 for those that are compiled into a world of their own.
+        The number of a branch of its own in `rss_gym.tracking.advance`; -1 for those that are compiled into a world of
+        their own.
     """
 
     summary: str

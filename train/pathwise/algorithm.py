@@ -35,11 +35,11 @@ class Pathwise(BaseAlgorithm):
         observations.
     learning_rate : float or schedule
     softness_m : float
-        Of the smooth price, see `SmoothPrice`.
+        The width of the smooth price, see `SmoothPrice`.
     gradient_limit_m : float
         Greatest gradient of the cost by one decision's action.
     manoeuvre_price_m : float
-        Of a flight that leaves its path, so that it does so only where it pays.
+        The price of a flight that leaves its path, so that it does so only where it pays.
     policy_kwargs, stats_window_size, tensorboard_log, verbose, device, seed
         As in Stable-Baselines3.
 

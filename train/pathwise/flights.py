@@ -36,7 +36,7 @@ class Decision:
     feedback : (m, A, S) array
         K: derivative of the clipped action by the agent's state.
     step : StepSensitivity
-        Of these rows.
+        The derivatives of the step, for these rows.
     """
 
     rows: np.ndarray

@@ -19,7 +19,7 @@ class SmoothPrice:
     Parameters
     ----------
     prices_m : tuple of float
-        Of the events, m.
+        The prices of the events, m.
     limits_m : tuple of float
         Margins below which they happen, m.
     softness_m : tuple of float

@@ -24,9 +24,9 @@ class Trained:
     Attributes
     ----------
     number : int
-        Of the seed in its run.
+        The number of the seed in its run.
     folder : Path
-        Of the policy that was kept.
+        The folder of the policy that was kept.
     validations : list of dict
         Rows of its `validation.csv`.
     """

@@ -85,7 +85,7 @@ def time_unit(links: list[tuple[Floats, Floats]]) -> tuple[str, str]:
     Parameters
     ----------
     links : list of (times, distances)
-        Of each link; distances may be NaN.
+        The series of each link; distances may be NaN.
 
     Returns
     -------

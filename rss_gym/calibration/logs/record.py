@@ -99,7 +99,7 @@ class Rows:
     link, sender : str
         As in `LogRecord`.
     number : (n,) array
-        Of the line, or of the message in the file, for messages.
+        The number of the line, or of the message in the file, for messages.
     time_s, rss_dbm, distance_m : (n,) arrays
         NaN where not known. Times are the log's own clock in s.
     range_rate_mps : (n,) array or None

@@ -84,7 +84,7 @@ def fly(
     rate_hz : float
         Samples of the RSS, 0.1 to 100.
     seed : int
-        Of the path and the noise.
+        The seed of the path and the noise.
 
     Raises
     ------
