@@ -40,8 +40,25 @@ def table_of(params: Params, drift_mps: float, flight_s: float) -> np.ndarray:
 
 
 @kernel
+def _meeting(p, q, w, cruise_mps, along_m, across_m):
+    """Time to the closest approach (s), n (2), mean and standard deviation of the miss (m), if the path were flown.
+
+    Position `p` (m) relative to the own aircraft and velocity `q` (m/s) are the other's, `w` (m) is the own way point
+    beside the path; the standard deviations of the position are those along and across the bearing.
+    """
+    ux, uy = q[0] - cruise_mps, q[1]
+    speed = max(sqrt(ux * ux + uy * uy), 0.1)
+    ux, uy = ux / speed, uy / speed
+    distance = max(sqrt(p[0] * p[0] + p[1] * p[1]), 1e-6)
+    cosine = (p[1] * ux - p[0] * uy) / distance  # of n = (-uy, ux) and the bearing
+    square = cosine * cosine * along_m**2 + (1.0 - cosine * cosine) * across_m**2
+    miss = (p[1] + w[1]) * ux - (p[0] + w[0]) * uy
+    return -(p[0] * ux + p[1] * uy) / speed, -uy, ux, miss, sqrt(square)
+
+
+@kernel
 def _choose(
-    table, way_point, cruise, known, position, velocity, bearing_std, across_std,
+    table, way_point, cruise, known, position, velocity, std_along, std_across,
     sigmas, lag_s, hold_s, step_s, speed_mps, out,
 ):  # fmt: skip
     """Write the velocity of least expected cost into each row of `out` (n, 3), m/s; homing where no intruder counts.
@@ -52,23 +69,15 @@ def _choose(
     count = known.shape[1]
     n, miss, std, time = np.empty((count, 2)), np.empty(count), np.empty(count), np.empty(count)
     for row in range(len(out)):
-        w, met = way_point[row], 0
+        w, met = way_point[row], 0  # met: how many count
         for k in range(count):
-            p, q = position[row, k], velocity[row, k]
-            ux, uy = q[0] - cruise[row], q[1]
-            speed = max(sqrt(ux * ux + uy * uy), 0.1)
-            ux, uy = ux / speed, uy / speed
-            left = -(p[0] * ux + p[1] * uy) / speed
-            if not known[row, k] or left < -hold_s:
-                continue
-            distance = max(sqrt(p[0] * p[0] + p[1] * p[1]), 1e-6)
-            n[met, 0], n[met, 1] = -uy, ux
-            along = (p[0] * n[met, 0] + p[1] * n[met, 1]) / distance  # cosine of n and the bearing
-            square = along * along * bearing_std[row, k] ** 2 + (1.0 - along * along) * across_std[row, k] ** 2
-            time[met] = max(left - lag_s - step_s, 0.0)
-            std[met] = sigmas * sqrt(square)
-            miss[met] = (p[0] + w[0]) * n[met, 0] + (p[1] + w[1]) * n[met, 1]
-            met += 1
+            left, nx, ny, mean, spread = _meeting(
+                position[row, k], velocity[row, k], w, cruise[row], std_along[row, k], std_across[row, k]
+            )
+            if known[row, k] and left >= -hold_s:
+                n[met, 0], n[met, 1], miss[met], std[met] = nx, ny, mean, sigmas * spread
+                time[met] = max(left - lag_s - step_s, 0.0)  # after this decision
+                met += 1
         least = np.inf
         out[row, 0], out[row, 1], out[row, 2] = cruise[row] - HOMING_PS * w[0], -HOMING_PS * w[1], -HOMING_PS * w[2]
         for j in range(met):
@@ -93,7 +102,7 @@ class Qmdp(Scripted):
     """A table made by value iteration for one intruder, flown on the belief of its track.
 
     It manoeuvres in the horizontal plane only. With several intruders the expected costs are added up. The defaults are
-    the cheapest of about twenty settings over 20,000 encounters of split `validation`, seed 0.
+    the cheapest of four settings over 20,000 encounters of split `validation`, seed 0, after twelve over 4,000.
 
     Parameters
     ----------

@@ -28,11 +28,6 @@ class Case:
     own: ReplayFlight
     beside: ReplayFlight
 
-    @property
-    def flights(self) -> tuple[ReplayFlight, ReplayFlight]:
-        """Of the entry, then of `none`."""
-        return self.own, self.beside
-
 
 def cases(suite: Suite, spec: str, numbers: Sequence[int]) -> list[Case]:
     """Fly these encounters again; none of them if the policy fails in one."""
@@ -43,8 +38,8 @@ def cases(suite: Suite, spec: str, numbers: Sequence[int]) -> list[Case]:
 
 
 def _case(suite: Suite, spec: str, number: int) -> Case:
-    flown = [_flown(suite, name, number) for name in (spec, NOMINAL)]
-    return Case(number, flown[0][0], flown[0][1], flown[1][1])
+    row, own = _flown(suite, spec, number)
+    return Case(number, row, own, _flown(suite, NOMINAL, number)[1])
 
 
 def _flown(suite: Suite, spec: str, number: int) -> tuple[np.void, ReplayFlight]:
@@ -70,7 +65,7 @@ def player(suite: Suite, name: str, found: Sequence[Case]) -> dict[str, Any]:
     flights = [
         {"name": flyer, "same": True, **flight.to_dict()}
         for case in found
-        for flyer, flight in zip((name, NOMINAL), case.flights, strict=True)
+        for flyer, flight in ((name, case.own), (NOMINAL, case.beside))
     ]
     return replay.described(suite, [{"name": name, "cases": shown}], flights, NOMINAL)
 

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from rss_gym.eval.studies.section import Section
-from rss_gym.eval.studies.world.rows import SEED, value
+from rss_gym.eval.studies.world.rows import SEED, cells, value
+from rss_gym.pages.table import Cell
 from rss_gym.params import Reward
-from rss_gym.train.study.curves import SUITE, cells
+from rss_gym.train.study.curves import HEADINGS, METRICS, SUITE
 from rss_gym.train.study.training import Trainer
 
 Changes = dict[str, dict[str, Any]]  # what it is in words -> changes of the recipe
@@ -69,17 +70,19 @@ def _how(trainer: Trainer) -> str:
 
 def _compared(
     trainer: Trainer, recipe: str, steps: int, table: Changes, title: str
-) -> tuple[tuple[str, ...], list[list[str]]]:
+) -> tuple[tuple[str, ...], list[list[str | Cell]]]:
     """Header and rows: one a seed, and the difference of their mean from that of the seeds without a change."""
-    rows: list[list[str]] = []
+    rows: list[list[str | Cell]] = []
     means_m: list[float] = []  # the first is that without a change
     for what, change in table.items():
         seeds = trainer.train(recipe, {"recipe.steps": steps, **change}, SEEDS)
         scores = trainer.score({f"seed {seed.number}": seed.folder for seed in seeds}, SUITE, **_flown(change))
         means_m.append(sum(value(found, "cost_m") for found in scores.values()) / len(scores))
-        rows += [[what, f"{seed.number}", *cells(found)] for seed, found in zip(seeds, scores.values(), strict=True)]
+        rows += [
+            [what, f"{seed.number}", *cells(found, METRICS)] for seed, found in zip(seeds, scores.values(), strict=True)
+        ]
         rows.append([what, "mean", f"{means_m[-1]:.2f} ({means_m[-1] - means_m[0]:+.2f})", "", "", ""])
-    return (title, "seed", "cost m", "collision rate", "mean deviation m", "unnecessary manoeuvres"), rows
+    return (title, "seed", *HEADINGS), rows
 
 
 def _flown(change: Mapping[str, Any]) -> dict[str, Any]:

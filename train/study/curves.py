@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from rss_gym.eval.columns import AIR
 from rss_gym.eval.studies.section import Criterion, Section
-from rss_gym.eval.studies.world.rows import ORCA, OTHERS, RULE, SEED, Scores, cheapest, interval, value
+from rss_gym.eval.studies.world.rows import ORCA, OTHERS, RULE, SEED, Scores, cells, cheapest, value
 from rss_gym.pages import figure
+from rss_gym.pages.table import Cell
 from rss_gym.train.study.training import Trained, Trainer
 
 SUITE = "encounter-v0"
+METRICS = ("cost_m", "collision_rate", "path_deviation_mean_m", "unnecessary_manoeuvre_rate")
+HEADINGS = [AIR[metric].heading for metric in METRICS]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +40,8 @@ def section(trainer: Trainer) -> Section:
     scripted = trainer.score({name: name for name in ORCA + OTHERS + RULE}, SUITE)
     rule = cheapest({name: scripted[name] for name in RULE})
     rivals = {"rule": rule, "best scripted policy": cheapest(scripted)}
-    rows, criteria = [], []
+    rows: list[list[str | Cell]] = []
+    criteria: list[Criterion] = []
     for recipe, bar in BARS.items():
         seeds = trainer.train(recipe, seeds=bar.seeds)
         scores = trainer.score({f"{recipe}, seed {seed.number}": seed.folder for seed in seeds}, SUITE)
@@ -53,27 +58,20 @@ def section(trainer: Trainer) -> Section:
                 beaten == len(costs) and spent_s <= bar.cpu_s,
             )
         )
-    rows += [[name, "", "", *cells(scripted[name])] for name in dict.fromkeys(rivals.values())]
+    rows += [[name, "", "", *cells(scripted[name], METRICS)] for name in dict.fromkeys(rivals.values())]
     return Section(
         "From scratch",
         f"The policy that each seed's own validations chose, on {trainer.episodes:,} other encounters of `{SUITE}`, "
         f"split `suite`, seed {SEED}. The rule and the scripted policies have their cheapest radius.",
-        ("policy", "decisions", "CPU s", "cost m", "collision rate", "mean deviation m", "unnecessary manoeuvres"),
+        ("policy", "decisions", "CPU s", *HEADINGS),
         rows,
         criteria,
     )
 
 
-def _rows(seeds: list[Trained], scores: dict[str, Scores]) -> Iterator[list[str]]:
+def _rows(seeds: list[Trained], scores: dict[str, Scores]) -> Iterator[list[str | Cell]]:
     for seed, (name, found) in zip(seeds, scores.items(), strict=True):
-        yield [name, f"{seed.decisions:,}", f"{seed.cpu_s:.0f}", *cells(found)]
-
-
-def cells(scores: Scores) -> list[str]:
-    """Cost, collision rate and deviation with their intervals, and the rate of unnecessary manoeuvres."""
-    metrics = (("cost_m", ".2f"), ("collision_rate", ".1e"), ("path_deviation_mean_m", ".2f"))
-    unnecessary = value(scores, "unnecessary_manoeuvre_rate")
-    return [*(interval(scores[name], form) for name, form in metrics), f"{unnecessary:.2f}"]
+        yield [name, f"{seed.decisions:,}", f"{seed.cpu_s:.0f}", *cells(found, METRICS)]
 
 
 def chart(trainer: Trainer) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from rss_gym.eval.columns import AIR
 from rss_gym.eval.studies.section import Criterion, Section
-from rss_gym.eval.studies.world.rows import RULE, SEED, Scores, cheapest, interval, value
+from rss_gym.eval.studies.world.rows import RULE, SEED, Scores, cheapest, value
+from rss_gym.pages.table import Cell, Column
 from rss_gym.params import random_channels
 from rss_gym.train.study.training import Trainer
 
@@ -16,6 +18,8 @@ RADIOS: dict[str, float] = {"paper": 0.01, "outdoor": 0.01, "wifi-walk": 0.01, "
 RADIOS[NEW] = 0.02
 CHANNELS: dict[str, Any] = {radio: radio for radio in RADIOS} | {NEW: random_channels(20, seed=1)}
 ALONE, MOST = "paper", 1.2  # the cost there, in that of an agent trained on this radio alone
+COLUMNS = {metric: AIR[metric] for metric in ("cost_m", "collision_rate", "path_deviation_mean_m")}
+COLUMNS["risk_ratio"] = Column("risk ratio", form=".1e")
 SCRIPTED = [f"orca:radius_m={radius}" for radius in (20, 30, 40)] + ["mpc", "mpc:radius_m=30", "cbf:radius_m=30"]
 SCRIPTED += [*RULE, "orthogonal:radius_m=120"]
 
@@ -26,7 +30,8 @@ def section(trainer: Trainer) -> Section:
     (alone,) = trainer.train(RECIPE, {"world.channel": ALONE}, seeds=1)
     specialist = f"{RECIPE} on `{ALONE}` alone"
     agent = cheapest(trainer.score(seeds, SUITE))
-    rows, criteria = [], []
+    rows: list[list[str | Cell]] = []
+    criteria: list[Criterion] = []
     for radio, limit in RADIOS.items():
         learned = {agent: seeds[agent]} | ({specialist: alone.folder} if radio == ALONE else {})
         flown = trainer.score(learned | {name: name for name in SCRIPTED}, SUITE, channel=CHANNELS[radio])
@@ -57,12 +62,11 @@ def section(trainer: Trainer) -> Section:
         f"`{RECIPE}`, trained on a radio drawn anew for each encounter; {trainer.episodes:,} encounters a row of "
         f"`{SUITE}` with that radio alone, split `suite`, seed {SEED}; the scripted policies have their cheapest "
         "radius on each radio.",
-        ("radio", "policy", "cost m", "risk ratio", "collision rate", "mean deviation m"),
+        ("radio", "policy", *(column.heading for column in COLUMNS.values())),
         rows,
         criteria,
     )
 
 
-def _row(radio: str, name: str, scores: Scores) -> list[str]:
-    metrics = (("cost_m", ".2f"), ("risk_ratio", ".1e"), ("collision_rate", ".1e"), ("path_deviation_mean_m", ".2f"))
-    return [radio, name, *(interval(scores[metric], form) for metric, form in metrics)]
+def _row(radio: str, name: str, scores: Scores) -> list[str | Cell]:
+    return [radio, name, *(column.cell(scores[metric]) for metric, column in COLUMNS.items())]
