@@ -24,7 +24,7 @@ RANGE = (
 )
 
 APPROACH = ("flown_", "planned_")  # the closest approaches that the track predicts
-OTHERS = ("intruder_", "vehicle_")  # what the names of their fields begin with
+OTHERS = ("intruder_", "vehicle_", "on_")  # what the names of their fields begin with
 
 # What is taken away -> whether it holds this field.
 MASKS: dict[str, Callable[[str], bool]] = {

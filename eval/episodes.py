@@ -57,9 +57,10 @@ class Block:
         return f"{numbers} of seed {self.seed}, split {self.split!r}"
 
 
-def start(params: Params, block: Block) -> BaseBatch:
+def start(params: Params, block: Block, is_training: bool = False) -> BaseBatch:
     """A batch on the first decision of the block's episodes."""
     batch, everything = domain_of(params).make_batch(params, block.count), np.ones(block.count, bool)
+    batch.is_training = is_training
     batch.seed(np.full(block.count, block.seed, np.uint64))
     batch.split[:], batch.numbers[:] = SPLITS[block.split], block.numbers
     batch.reset(everything)
@@ -115,6 +116,7 @@ def fly_episodes(
     block: Block,
     nominal: list[np.ndarray] | None = None,
     watch: Callable[[BaseBatch], None] | None = None,
+    is_training: bool = False,
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """Fly every episode of the block to its end.
 
@@ -132,6 +134,8 @@ def fly_episodes(
         The positions in the flights of `none`, as returned; None where this is `none`.
     watch : callable, optional
         Called with the batch after the reset and after every decision.
+    is_training : bool
+        Of the batch, see `rss_gym.core.BaseBatch`.
 
     Returns
     -------
@@ -147,7 +151,7 @@ def fly_episodes(
     NotFiniteError
         When a state of the params is not finite.
     """
-    batch = start(params, block)
+    batch = start(params, block, is_training)
     episode, count = batch.episode, block.count
     table = np.zeros(count, TABLES[domain_of(params).name])
     sampled = sample_decisions(episode, params)
@@ -190,8 +194,8 @@ def fly_episodes(
     return table, positions
 
 
-def fly_all(policy: Any, name: str, params: Params, episodes: Block) -> np.ndarray:
+def fly_all(policy: Any, name: str, params: Params, episodes: Block, is_training: bool = False) -> np.ndarray:
     """The table of any number of episodes, flown `BLOCK` at a time without the flights of `none`."""
     parts = [episodes.episodes[first : first + BLOCK] for first in range(0, episodes.count, BLOCK)]
     blocks = [Block(episodes.split, episodes.seed, part) for part in parts]
-    return np.concatenate([fly_episodes(policy, name, params, block)[0] for block in blocks])
+    return np.concatenate([fly_episodes(policy, name, params, block, is_training=is_training)[0] for block in blocks])

@@ -103,9 +103,12 @@ class BaseBatch(ABC):
     observations : (n, d) float32 array
         Written by `reset` and `step`; copy before handing it out.
     rewards : (n,) array
+    is_training : bool
+        Whether the rows may be driven faster, by other code that is equal but for rounding; scores are not.
     """
 
     episode: Any
+    is_training = False
 
     def __init__(self, params: Params, n: int, width: int) -> None:
         self.params, self.n = params, n

@@ -41,6 +41,7 @@ class TrainingVecEnv(VecEnvWrapper):
         super().__init__(EncounterVecEnv(n_envs, params))
         self.first_seed, self.spent_s = seed, 0.0
         self._returns, self._lengths = np.zeros((2, n_envs))
+        self.venv.batch.is_training = True
         self.begin(np.zeros(n_envs, np.uint64))
 
     @property
@@ -58,6 +59,7 @@ class TrainingVecEnv(VecEnvWrapper):
         """Change the world, which takes effect with the next reset; it must have the same spaces."""
         numbers = self.numbers
         self.venv = EncounterVecEnv(self.num_envs, params)
+        self.venv.batch.is_training = True
         self.begin(numbers)
 
     def reset(self) -> np.ndarray:

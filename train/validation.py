@@ -107,7 +107,7 @@ class Validator:
         return self._flown(make("none", self.params), "none")
 
     def _flown(self, policy: Any, name: str) -> np.ndarray:
-        table = fly_all(policy, name, self.params, Block(SPLIT, SEED, range(self.episodes)))
+        table = fly_all(policy, name, self.params, Block(SPLIT, SEED, range(self.episodes)), is_training=True)
         table["cost_m"] = cost_m(table["deviation_mean_m"], table["snmac"], table["collision"])
         return table
 

@@ -155,8 +155,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
 
     def _deviation_m(self) -> float:
         """Distance from where the planned lane and speed would have led by now."""
-        ticks = float(self.ranging.sensor.episode["tick"])
-        return float(np.hypot(*(self.vehicle.position - self.plan.position_m(ticks * self.params.clock.tick_s))))
+        return float(np.hypot(*(self.vehicle.position - self.ranging.planned_m)))
 
     def _info(self, info: dict[str, Any], ended: bool = False) -> dict[str, Any]:
         plan, cost = self.plan, self._cost

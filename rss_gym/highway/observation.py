@@ -11,19 +11,21 @@ import dataclasses
 
 import numpy as np
 
+from rss_gym.highway import lane_fields
 from rss_gym.observation import LIMIT, Field, restored, transform, transforms
 from rss_gym.params import Params
 
 RANGE_M, STD_M, SPEED_MPS, RELATIVE_MPS, AGE_S = 100.0, 30.0, 30.0, 10.0, 2.0
 LANES, LANE_M, ACCURACY_M = 3.0, 4.0, 15.0
 NOISE_DB, FACTOR, TC_S = 10.0, 4.0, 10.0
-NEAR_M = 20.0  # half of what `relative_along_m` can say is said within this, and of `relative_right_m` within a lane
+NEAR_M = 20.0  # half of what a stretched distance along the road can say is said within this, and across within a lane
 
 _OWN = [
     Field("speed_mps", "m/s", SPEED_MPS, -LIMIT, LIMIT, "own speed"),
     Field("speed_error_mps", "m/s", RELATIVE_MPS, -LIMIT, LIMIT, "own speed minus planned speed"),
     Field("commanded_error_mps", "m/s", RELATIVE_MPS, -LIMIT, LIMIT, "speed last commanded minus planned speed"),
     Field("plan_error_m", "m", LANE_M, -LIMIT, LIMIT, "own position to the right of the planned lane's centre"),
+    Field("plan_ahead_m", "m", 1.0, -1.0, 1.0, "own position ahead of where the planned speed would have led", NEAR_M),
     Field("lane_offset_m", "m", LANE_M, -LIMIT, LIMIT, "own position to the right of the own lane's centre"),
     Field("lanes_left", "1", LANES, 0.0, LIMIT, "lanes of the own road to the left of the own one"),
     Field("lanes_right", "1", LANES, 0.0, LIMIT, "the same to the right"),
@@ -62,7 +64,8 @@ def fields(params: Params) -> list[Field]:
     """The columns of the observation in order; those of the k-th nearest vehicle are prefixed `vehicle_k.`."""
     vehicle = _vehicle(params)
     others = range(params.encounter.intruders)
-    return _OWN + [dataclasses.replace(f, name=f"vehicle_{k}.{f.name}") for k in others for f in vehicle]
+    each = [dataclasses.replace(f, name=f"vehicle_{k}.{f.name}") for k in others for f in vehicle]
+    return _OWN + each + _lanes(params)
 
 
 def _vehicle(params: Params) -> list[Field]:
@@ -70,8 +73,13 @@ def _vehicle(params: Params) -> list[Field]:
     return _RADIO + _MESSAGE + ([] if params.interface.information == "ranges" else _POSITION)
 
 
+def _lanes(params: Params) -> list[Field]:
+    """Those of the lanes, which need positions."""
+    return [] if params.interface.information == "ranges" else lane_fields.table()
+
+
 def split(observation: np.ndarray, params: Params) -> dict[str, np.ndarray]:
-    """Undo the scaling: name -> values in SI units, own fields (...), those of the vehicles (..., K).
+    """Undo the scaling: name -> values in SI units, own fields and lanes' (...), those of the vehicles (..., K).
 
     Raises
     ------
@@ -84,8 +92,9 @@ def split(observation: np.ndarray, params: Params) -> dict[str, np.ndarray]:
         raise ValueError(f"observation has shape {values.shape}; the last axis must be {len(table)} here")
     values = restored(values, table)
     own, vehicle = len(_OWN), _vehicle(params)
-    seen = {f.name: values[..., i] for i, f in enumerate(_OWN)}
-    return seen | {f.name: values[..., own + i :: len(vehicle)] for i, f in enumerate(vehicle)}
+    end = own + len(vehicle) * params.encounter.intruders
+    seen = {f.name: values[..., i] for i, f in enumerate(table) if not own <= i < end}
+    return seen | {f.name: values[..., own + i : end : len(vehicle)] for i, f in enumerate(vehicle)}
 
 
 class Writer:
@@ -96,7 +105,7 @@ class Writer:
         self.low = np.array([f.low for f in table], np.float32)
         self.high = np.array([f.high for f in table], np.float32)
         self._transforms = transforms(table)
-        self._names = [f.name for f in _vehicle(params)]
+        self._names, self._lanes = [f.name for f in _vehicle(params)], len(_lanes(params))
         self._count = params.encounter.intruders if radio else 0
 
     def write(
@@ -123,8 +132,10 @@ class Writer:
         seen = others[: self._count]
         if len(seen):
             values = heard(along, own, seen)
-            rows = raw[len(_OWN) :].reshape(-1, len(self._names))[: len(seen)]
-            rows.T[:] = [values[name] for name in self._names]
+            end = len(_OWN) + len(self._names) * len(seen)
+            raw[len(_OWN) : end].reshape(len(seen), -1).T[:] = [values[name] for name in self._names]
+            if self._lanes:
+                raw[-self._lanes :] = lane_fields.values(values, known["lane_offset_m"])
         transform(raw, self._transforms, out)
         return out
 

@@ -56,6 +56,11 @@ class Sensor:
         return self._episode[0]
 
     @property
+    def now_s(self) -> float:
+        """Time since the start of the episode."""
+        return max(self._ticks + len(self._roads) - 1, 0) * self.params.clock.tick_s
+
+    @property
     def vehicles(self) -> np.ndarray:
         """The agent and those that have appeared so far, in the order of their numbers: (1 + n,) VEHICLE."""
         self._update_radio()
@@ -90,6 +95,25 @@ class Sensor:
         """After a step of the simulation."""
         self._log(road)
 
+    def log(self, vehicles: list[Any], states: np.ndarray, roads: np.ndarray) -> None:
+        """After some steps of the simulation: what `tick` writes down of each.
+
+        Parameters
+        ----------
+        vehicles : list
+            Of the road.
+        states : (ticks, n, 4) array
+            Their x (m), y (m), heading (rad) and speed (m/s) after each step.
+        roads : (ticks, 3) array
+            Direction of the agent's lane (cosine, sine), and how far (m) the agent is to the right of its centre.
+        """
+        self._update_radio()
+        ticks, n, _ = states.shape
+        logged = np.empty((ticks, n, 5))
+        logged[..., 0], logged[..., 1:] = [self._number(vehicle) for vehicle in vehicles], states
+        ends = n * np.arange(1.0, ticks + 1.0)
+        self._run(logged.reshape(ticks * n, 5), np.column_stack([ends, roads]))
+
     def advance_slow_noise(self) -> None:
         """Before the ticks of a decision: advance the slow processes."""
         decision = int(self.episode["tick"]) // self.params.clock.ticks_per_decision
@@ -116,27 +140,34 @@ class Sensor:
 
     def _log(self, road: Any) -> None:
         """Write down the states of all that is on the road, for `_update_radio`."""
-        agent, numbers, states = self._agent, self._numbers, self._states
+        agent, states = self._agent, self._states
         for vehicle in road.vehicles:
-            row = 0 if vehicle is agent else numbers.get(vehicle)
-            if row is None:
-                row = numbers[vehicle] = len(numbers) + 1
             position = vehicle.position
-            states.append((row, position[0], position[1], vehicle.heading, vehicle.speed))
+            states.append((self._number(vehicle), position[0], position[1], vehicle.heading, vehicle.speed))
         along_m, offset_m = agent.lane.local_coordinates(agent.position)
         heading = agent.lane.heading_at(along_m)
         self._roads.append((len(states), cos(heading), sin(heading), offset_m))
+
+    def _number(self, vehicle: Any) -> int:
+        """Its row in `vehicles`; one that appears gets the next."""
+        if vehicle is self._agent:
+            return 0
+        return self._numbers.setdefault(vehicle, len(self._numbers) + 1)
 
     def _update_radio(self) -> None:
         """Run the radio over the ticks written down: at once, which is many times cheaper than one at a time."""
         if not self._roads:
             return
-        rows = 1 + len(self._numbers)
-        while rows > len(self._vehicles):
-            self._grow()
         states, roads = np.array(self._states), np.array(self._roads)
         self._states.clear()
         self._roads.clear()
+        self._run(states, roads)
+
+    def _run(self, states: np.ndarray, roads: np.ndarray) -> None:
+        """Run the radio over ticks, as `links.update_radio` takes them."""
+        rows = 1 + len(self._numbers)
+        while rows > len(self._vehicles):
+            self._grow()
         variants.radio(links.update_radio, self.params.ranging.estimator)(
             self._config, self._channel, self._key, self.radio_range_m, self.params.zone.range_error_m, states, roads,
             self._ticks, self._episode, self._vehicles[:rows], self._links[: rows - 1], self._contacts[: rows - 1],

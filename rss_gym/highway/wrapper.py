@@ -10,6 +10,7 @@ import gymnasium as gym
 import numpy as np
 
 from rss_gym.core import SEED_LIMIT, SPLITS, checked_options, checked_seed
+from rss_gym.highway.compiled_traffic import take_over
 from rss_gym.highway.config import check
 from rss_gym.highway.observation import Writer
 from rss_gym.highway.params import KEYWORDS, RoadParams
@@ -71,6 +72,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         self.sensor, self.driver, self.radio = Sensor(self.params, road.radio_range_m), road.driver, road.radio
         self._writer = Writer(self.params, self.radio)
         self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
+        self.is_compiled = False  # whether the traffic is that of `take_over`
         self.plan: Plan | None = None
         self._seed, self._next = 0, 0  # of the episodes
         self._seeded = self._ended = False
@@ -94,6 +96,12 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
     def vehicle(self) -> Any:
         """The agent's vehicle, of highway-env."""
         return self.base.vehicle
+
+    @property
+    def planned_m(self) -> np.ndarray:
+        """Where the planned lane and speed would have led by now, (2,)."""
+        assert self.plan is not None, "no episode has begun"
+        return self.plan.position_m(self.sensor.now_s)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -127,6 +135,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
             hand_over(base, self.plan.speed_mps)
         self.sensor.start(base.road, base.vehicle, split, self._seed, number, key)
         base.road.step = functools.partial(_step, base.road, self.sensor)
+        take_over(base, self.sensor, self.is_compiled)
         info.pop("action", None)  # a random one, of a generator without a seed
         info.pop("rewards", None)  # of that action
         return self._observe(), info | self._info()
@@ -159,6 +168,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
             "speed_error_mps": vehicle.speed - plan.speed_mps,
             "commanded_error_mps": getattr(vehicle, "target_speed", vehicle.speed) - plan.speed_mps,
             "plan_error_m": plan.error_m(vehicle),
+            "plan_ahead_m": float(np.dot(vehicle.position - self.planned_m, (np.cos(heading), np.sin(heading)))),
             "lane_offset_m": offset_m,
             "lanes_left": number,
             "lanes_right": count - 1 - number,

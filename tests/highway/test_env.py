@@ -137,7 +137,7 @@ def test_fields_are_what_is_known(road_id):
 def test_without_radio_the_vehicles_are_not_seen():
     with_radio, without = RoadEnv(), RoadEnv(radio=False)
     one, two = drive(with_radio, [1, 0, 1], seed=2)[-1], drive(without, [1, 0, 1], seed=2)[-1]
-    own = 9
+    own = 10
     assert np.array_equal(one[:own], two[:own])
     assert one[own:].any() and not two[own:].any()
 

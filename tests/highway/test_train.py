@@ -119,7 +119,7 @@ def test_a_run_is_shipped(run, tmp_path):
 @pytest.mark.parametrize(
     ("road", "sentence"),
     [
-        (RoadParams.of(scene="merge", vehicles=3), "it was made for 129 fields"),
+        (RoadParams.of(scene="merge", vehicles=3), "it was made for 154 fields"),
         (RoadParams.of(information="oracle"), "cannot fly on information 'oracle': it was trained on 'positions'"),
         (RoadParams.of(scene="intersection"), r"tensor '2.weight' must be float32 \(128, 3\)"),
     ],
@@ -130,7 +130,7 @@ def test_another_road_is_refused(run, road, sentence):
 
 
 def vehicle_fields():
-    return np.char.startswith([field.name for field in observation.fields(ROAD)], "vehicle_")
+    return np.array([field.name.startswith(("vehicle_", "on_")) for field in observation.fields(ROAD)])
 
 
 def test_imitation_sees_the_vehicles_where_the_actor_does_not():
