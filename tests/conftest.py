@@ -6,6 +6,9 @@ import warnings
 import pytest
 from hypothesis import settings
 
+# Tests run beside each other: the threads of one's matrix products would wait for those of another's.
+for library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 # Windows of pygame and figures of matplotlib go nowhere; both read these before they are imported.
 os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
 os.environ.setdefault("MPLBACKEND", "Agg")

@@ -111,7 +111,7 @@ def sensed(generator, k, planar, wild):
 
 @pytest.mark.parametrize("planar", [True, False])
 @pytest.mark.parametrize("information", ["oracle", "positions", "ranges"])
-@pytest.mark.parametrize("k", [1, 3, 8])
+@pytest.mark.parametrize("k", [1, pytest.param(3, marks=pytest.mark.slow), 8])
 @settings(max_examples=30)
 @given(seed=st.integers(0, 2**32 - 1), wild=st.booleans())
 def test_every_column_is_its_field(planar, information, k, seed, wild):

@@ -93,8 +93,8 @@ def likeness(one, other):
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_mistyped_command_is_told_the_nearest(capsys, name):
-    for wrong in {*slips(name)} - {*COMMANDS}:
-        for arguments in ([wrong], ["help", wrong]):
+    for number, wrong in enumerate(sorted({*slips(name)} - {*COMMANDS})):
+        for arguments in ([wrong], ["help", wrong])[: 1 if number else 2]:
             status, out, err = run(capsys, *arguments)
             assert status == 2 and not out and one_sentence(err), wrong
             # Two commands may be as near: "eport" is "export" or "report".

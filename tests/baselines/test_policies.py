@@ -23,7 +23,7 @@ def flown(policy, count, steps=60):
     return trace
 
 
-@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("world", [pytest.param(w, marks=[pytest.mark.slow] * (w == "several")) for w in WORLDS])
 @pytest.mark.parametrize("name", baselines.POLICIES)
 def test_every_rule_keeps_the_contract_of_a_policy(name, world):
     check_rule_in(name, world)

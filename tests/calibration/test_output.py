@@ -106,6 +106,11 @@ def test_bad_input_leaves_nothing_behind(capsys, tmp_path, logs, arguments, word
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
+@pytest.fixture(scope="module")
+def page(result):
+    return report.markup(result)
+
+
 def test_a_report_that_cannot_be_written_leaves_no_channel(result, tmp_path, monkeypatch):
     monkeypatch.setattr(report, "markup", lambda _: 1 / 0)
     with pytest.raises(ZeroDivisionError):
@@ -113,16 +118,14 @@ def test_a_report_that_cannot_be_written_leaves_no_channel(result, tmp_path, mon
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_page_needs_no_network(result):
-    page = report.markup(result)
+def test_the_page_needs_no_network(result, page):
     rest = re.sub(r'xmlns(:xlink)?="http://www\.w3\.org/[^"]*"', "", page).replace("http-equiv", "")
     for pattern in ("http", r"\bsrc\s*=", "<link", "@import", r"url\((?!#)", "<iframe", "<image"):
         assert not re.search(pattern, rest), pattern
     assert page == report.markup(result)
 
 
-def test_every_figure_shows_something(result):
-    page = report.markup(result)
+def test_every_figure_shows_something(result, page):
     figures = re.findall(r'<figure class="plot">(.*?)</figure>', page, flags=re.DOTALL)
     assert len(figures) == 5
     for svg in figures:
@@ -151,6 +154,7 @@ def test_dropped_rows_are_in_one_table(result):
     assert sum(one["used"] for one in found) == sum(len(r.time_s) for r in (*result.fit.records, *result.tested))
 
 
+@pytest.mark.slow
 def test_names_from_outside_are_text(result, tmp_path):
     bad = "<script>alert(1)</script>$\\x$\n[channel]"
     link = result.fit.links["a"]

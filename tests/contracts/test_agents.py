@@ -134,6 +134,7 @@ def test_a_folder_of_that_name_is_not_taken_for_it(made, tmp_path, monkeypatch):
     assert baselines.is_folder(f"./{made}") and baselines.make(made).digest
 
 
+@pytest.mark.slow
 def test_all_flies_it(made, tmp_path):
     result = evaluate("all", episodes=4)
     assert made in [scored.entry.name for scored in result.policies]

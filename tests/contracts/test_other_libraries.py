@@ -32,7 +32,7 @@ pytestmark = pytest.mark.usefixtures("no_warnings")
     [
         ('gym.make("rss_gym/Encounter-v0")', "NamespaceNotFound"),
         ('gym.make("rss_gym:rss_gym/Encounter-v0")', "made"),
-        ('gym.make_vec("rss_gym:rss_gym/Encounter-v0", num_envs=2)', "made"),
+        pytest.param('gym.make_vec("rss_gym:rss_gym/Encounter-v0", num_envs=2)', "made", marks=pytest.mark.slow),
         ('import rss_gym; gym.make("rss_gym/Encounter-v0")', "made"),
     ],
 )

@@ -170,6 +170,7 @@ def test_the_page_needs_no_network(runs, tmp_path):
     assert "http://" not in text and "https://" not in text and "default-src 'none'" in text
 
 
+@pytest.mark.slow
 def test_the_same_records_give_the_same_page(runs, tmp_path):
     folders = [runs["official"], runs["short"]]
     one, other = (build(folders, tmp_path / name).page.read_bytes() for name in ("one", "other"))

@@ -99,8 +99,8 @@ def test_what_is_not_a_record(tmp_path):
         (b'{"a":' * 100_000 + b"1" + b"}" * 100_000, "deeper than"),
         (b'{"a": "' + b"[" * 100_000 + b'"}', "'a' is unknown"),  # brackets in a string are no depth
         (b'["' + b'\\"' * 1_000_000, "not JSON"),
-        (b'"' * (SCORES_BYTES_MAX - 1), "not JSON"),
-        (b"[]," * (SCORES_BYTES_MAX // 3), "not JSON"),
+        pytest.param(b'"' * (SCORES_BYTES_MAX - 1), "not JSON", marks=pytest.mark.slow),
+        pytest.param(b"[]," * (SCORES_BYTES_MAX // 3), "not JSON", marks=pytest.mark.slow),
     ],
     ids=lambda value: None if isinstance(value, str) else repr(value[:20]),
 )

@@ -82,8 +82,19 @@ def result():
 
 
 @pytest.fixture(scope="module")
-def markup(result):
-    return page_of(result)
+def flown(result):
+    return replay.fly(result)
+
+
+@pytest.fixture(scope="module")
+def shown(result, flown):
+    """What the player shows."""
+    return replay.player(result, flown)
+
+
+@pytest.fixture(scope="module")
+def markup(result, flown):
+    return report.markup(result, flown)
 
 
 @pytest.fixture(scope="module")
@@ -139,6 +150,7 @@ def test_a_name_that_is_no_unicode_is_written(result, tmp_path):
     policies = tuple(
         replace(scored, entry=replace(scored.entry, name=scored.entry.name.replace("brake", "br\udc80ke")))
         for scored in result.policies
+        if scored.entry.name in ("none", RULES[0], "brake")
     )
     path = report.write(replace(result, policies=policies), tmp_path)
     Page(path.read_text(encoding="utf-8"))
@@ -241,10 +253,10 @@ def test_degenerate_results(policies, settings):
     assert parsed.data("replays")["policies"]
 
 
-def test_figures_that_are_undefined(result):
+def test_figures_that_are_undefined(result, flown):
     nothing = Estimate(None, None, None, 0, "1")
     policies = tuple(replace(scored, metrics=dict.fromkeys(scored.metrics, nothing)) for scored in result.policies)
-    markup = page_of(replace(result, policies=policies))
+    markup = report.markup(replace(result, policies=policies), flown)
     Page(markup)
     assert "No policy has both" in markup
     assert not re.search(r"\b(None|nan)\b", re.sub("<script.*?</script>", "", markup, flags=re.DOTALL))
@@ -253,13 +265,12 @@ def test_figures_that_are_undefined(result):
 # The replays
 
 
-def test_flights_equal_those_of_the_environment(result):
+def test_flights_equal_those_of_the_environment(result, shown):
     """A second way to the same flight: the single environment, step by step."""
-    data = flights_of(result)
-    shown = {policy["name"]: policy["cases"] for policy in data["policies"]}
+    data, cases = shown, {policy["name"]: policy["cases"] for policy in shown["policies"]}
     for scored in result.policies[1:3]:
         params = scored.entry.params
-        for case in shown[scored.entry.name]:
+        for case in cases[scored.entry.name]:
             flight = data["flights"][case["flight"]]
             env = gym.make("rss_gym/Encounter-v0", params=params.to_dict()).unwrapped
             observation, _ = env.reset(seed=result.seed, options={"split": "suite", "episode": case["episode"]})
@@ -285,8 +296,8 @@ def test_flights_equal_those_of_the_environment(result):
             assert max(flight["intruders"][0]["warning"]) == (row["warned_s"] >= 0)
 
 
-def test_closest_encounters_are_shown_beside_the_rule(result):
-    data = flights_of(result)
+def test_closest_encounters_are_shown_beside_the_rule(result, shown):
+    data = shown
     assert data["beside"] == "orthogonal:radius_m=20"
     for scored, policy in zip(result.policies, data["policies"], strict=True):
         assert policy["name"] == scored.entry.name

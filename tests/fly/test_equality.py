@@ -9,7 +9,7 @@ from rss_gym.fly.equality import PILOTS, compare
 
 
 @pytest.mark.parametrize("pilot", PILOTS)
-@pytest.mark.parametrize("engine", ["node", "chromium"])
+@pytest.mark.parametrize("engine", ["node", pytest.param("chromium", marks=pytest.mark.slow)])
 def test_twenty_encounters_score_the_same(engine, pilot):
     if engine not in engines():
         pytest.skip(f"{engine} is not on the path")

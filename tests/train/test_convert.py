@@ -139,6 +139,7 @@ def test_scores_of_a_folder_are_verified_and_listed(capsys, folder, tmp_path):
     assert call(capsys, "leaderboard", str(record), "--out", str(tmp_path / "site"))[0] == 0
 
 
+@pytest.mark.slow
 def test_agents_of_runs_go_by_the_names_of_the_runs(capsys, folder, tmp_path):
     runs = [shutil.copytree(folder, tmp_path / name / "agent") for name in ("first", "second")]
     status, out, _ = evaluated(capsys, runs[0], tmp_path / "record", "--policy", str(runs[1]), "orthogonal")
@@ -146,6 +147,7 @@ def test_agents_of_runs_go_by_the_names_of_the_runs(capsys, folder, tmp_path):
     assert call(capsys, "verify", str(tmp_path / "record"), "--all")[0] == 0
 
 
+@pytest.mark.slow
 def test_a_folder_that_changed_is_not_verified(capsys, folder, finished, tmp_path):
     record = tmp_path / "record"
     assert evaluated(capsys, folder, record)[0] == 0

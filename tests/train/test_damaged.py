@@ -123,6 +123,7 @@ def test_an_agent_without_its_training_record(run, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_link_in_place_of_the_agent(run, tmp_path):
     moved = shutil.move(run / "agent", tmp_path / "elsewhere")
     (run / "agent").symlink_to(moved)
@@ -131,6 +132,7 @@ def test_a_link_in_place_of_the_agent(run, tmp_path):
     assert sorted(os.listdir(moved)) == sorted(os.listdir(run / "agent"))  # what the link led to is untouched
 
 
+@pytest.mark.slow
 def test_a_run_that_cannot_be_locked_is_trained_all_the_same(run, capsys, monkeypatch):
     import rss_gym.train.lock as lock
 

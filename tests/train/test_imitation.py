@@ -96,6 +96,7 @@ def test_the_actor_learns_the_rule(changes, more):
         assert bool((parameter == kept).all())
 
 
+@pytest.mark.slow
 def test_the_same_seed_imitates_alike(changes):
     weights = []
     for _ in range(2):
@@ -142,6 +143,7 @@ def test_the_critic_learns_alone_first_and_a_run_begins_with_what_was_imitated(c
         assert [int(row["steps"]) for row in csv.DictReader(file)] == [0, 2048, 3072]
 
 
+@pytest.mark.slow
 def test_a_run_that_goes_on_does_not_imitate_again(changes, tmp_path, capsys, monkeypatch):
     """Killed as soon as the imitation is saved."""
     changes = {**changes, "recipe.steps": 2048, "imitation.critic_steps": 1024}

@@ -1,5 +1,7 @@
 """What a training shows on its way, and what it says at its end."""
 
+import contextlib
+import io
 import re
 
 import pytest
@@ -36,14 +38,16 @@ class Bar:
         pass
 
 
-@pytest.fixture
-def trained(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(loop, "progress_bar", Bar)
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory):
+    """The bar of a training, and what was printed."""
     changes = {"recipe.steps": 1500, "vec.n_envs": 64, "algorithm.n_steps": 16, "algorithm.batch_size": 256}
     changes |= {"algorithm.n_epochs": 1, "policy.net_arch": [8], "imitation.episodes": 64, "imitation.epochs": 2}
     changes |= {"validation.every_steps": 1024, "validation.episodes": 40, "checkpoint.every_steps": 1024}
-    run.start(recipe.load("ppo", changes), tmp_path / "run", seeds=1)
-    return Bar.last, capsys.readouterr().out
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as out:
+        patch.setattr(loop, "progress_bar", Bar)
+        run.start(recipe.load("ppo", changes), tmp_path_factory.mktemp("progress") / "run", seeds=1)
+    return Bar.last, out.getvalue()
 
 
 def test_it_never_passes_its_end_and_is_not_silent_before_its_start(trained):

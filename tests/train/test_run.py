@@ -215,6 +215,7 @@ def test_a_checkpoint_holds_all_that_was_learnt(name, changes, small, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_a_replay_buffer_fills_before_learning_goes_on(small, tmp_path):
     small = {key: value for key, value in small.items() if key not in ("algorithm.n_steps", "algorithm.n_epochs")}
     small |= {"recipe.steps": 1024, "algorithm.learning_starts": 512, "algorithm.buffer_size": 4096}
@@ -243,6 +244,7 @@ def test_tensorboard_reads_what_the_table_holds(finished):
         assert expected and {event.step: np.float32(event.value) for event in events.Scalars(name)} == expected
 
 
+@pytest.mark.slow
 def test_a_training_without_tensorboard_says_so(small, tmp_path, monkeypatch, capsys):
     from stable_baselines3.common import logger
 
@@ -400,7 +402,7 @@ def test_an_interrupt_says_how_to_go_on(monkeypatch, capsys, tmp_path, small):
 
 
 def test_progress_bars_count_on(small, tmp_path, capsys):
-    run.start(recipe.load("ppo", small), tmp_path / "run", show=True)
+    run.start(recipe.load("ppo", {**small, "recipe.steps": 2048}), tmp_path / "run", show=True)
     captured = capsys.readouterr()
     assert "seed 0: 100%" in captured.err
     assert "decisions a second" in captured.out and "environment" in captured.out

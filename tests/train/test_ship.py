@@ -45,6 +45,7 @@ def test_the_card_tells_what_the_run_knows(tiny_run, tiny_agent):
     assert text.rstrip().endswith("- It has hardly been trained.")
 
 
+@pytest.mark.slow
 def test_the_cheapest_over_more_encounters_is_shipped(tiny_run, tmp_path):
     folder = ship.ship(tiny_run, "cheapest", into=tmp_path, encounters=300)
     made, document = run.read(tiny_run)
@@ -67,6 +68,7 @@ def test_what_the_card_says_of_other_worlds():
     assert ship.later(other) == {"changes on the way": "from 50% of the steps on comfort_m"}
 
 
+@pytest.mark.slow
 def test_shipping_again_replaces_the_folder(tiny_run, tmp_path):
     ship.ship(tiny_run, "twice", "- First.", tmp_path)
     (tmp_path / "twice" / "left.txt").write_text("over")

@@ -103,6 +103,7 @@ CELLS = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(column=st.integers(0, 3), cells=st.lists(CELLS, min_size=1, max_size=4))
 def test_columns_of_any_cells(tmp_path_factory, column, cells):
     lines = [line.split(",") for line in table().splitlines()]

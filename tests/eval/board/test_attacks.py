@@ -263,6 +263,7 @@ def test_a_bad_entry_does_not_block_the_others(make_entry, change):
     assert [entry.author for entry in found.entries] == ["Bob"] and len(found.refused) == 3
 
 
+@pytest.mark.slow
 def test_later_entries_do_not_probe_the_season_again(board, change):
     folder = shutil.copytree(board / "entries" / "a", board / "entries" / "a2")
     change(folder, policy='"orthogonal:radius_m=61"', name='"another"', date="2030-01-01")

@@ -71,6 +71,7 @@ def test_two_processes_do_not_write_one_board(board):
         fly.fly(board / "entries", board / "season.json", board / "board", runner=fly_here, references=False)
 
 
+@pytest.mark.slow
 def test_a_second_season_is_appended_to_the_same_board(board):
     season.close(board / "season.json")
     season.new(board / "next.json", "second", [SUITE], 6, 6)
@@ -215,6 +216,7 @@ def test_a_suite_may_have_a_number_of_its_own(tmp_path):
     assert not (tmp_path / "t.json").exists()
 
 
+@pytest.mark.slow
 def test_the_season_of_the_site_can_be_flown_again():
     """One sealed table of the package's own season comes out with the digest of its line."""
     folder = Path(__file__).parents[3] / "docs" / "season"
