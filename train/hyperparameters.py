@@ -1,7 +1,7 @@
 """Every hyperparameter of the learners, checked as the parameters of the world are.
 
-Defaults are those of Stable-Baselines3. Left out are the arguments that are code (noise and buffer classes), and
-state-dependent exploration, with which SAC's policy cannot be exported.
+Defaults are those of Stable-Baselines3. Left out are the arguments that are code (noise and buffer classes), and SAC's
+state-dependent exploration, with which its policy cannot be exported.
 """
 
 from __future__ import annotations
@@ -58,7 +58,11 @@ def units(*default: int) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ppo(Group):
-    """Of PPO. Zero in `clip_range_vf` or `target_kl` means none."""
+    """Of PPO. Zero in `clip_range_vf` or `target_kl` means none.
+
+    `use_sde` explores by noise that depends on the state (Raffin et al. 2022), with a new matrix every `sde_sample_freq`
+    decisions, -1 for one a rollout.
+    """
 
     learning_rate: Schedule = field(default=Schedule(3e-4), metadata=within(1e-8, 1.0))
     n_steps: int = number(2048, 1, 10**6)  # decisions a row and update
@@ -73,6 +77,8 @@ class Ppo(Group):
     vf_coef: float = number(0.5, 0.0, 100.0)
     max_grad_norm: float = number(0.5, 1e-6, 1e6)
     target_kl: float = number(0.0, 0.0, 100.0)
+    use_sde: bool = False
+    sde_sample_freq: int = number(-1, -1, 10**6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,12 +120,18 @@ class Pathwise(Group):
         Greatest gradient of a flight's cost by the action of one decision.
     manoeuvre_price_m : float
         The price of a flight that leaves its path by more than 3 m, on top of its cost.
+    near_share : float
+        Share of the rows that fly encounters again in which an earlier flight came near; 0 flies new ones alone.
+    near_m : float
+        The separation below which an encounter is flown again.
     """
 
     learning_rate: Schedule = field(default=Schedule(3e-3), metadata=within(1e-8, 1.0))
     softness_m: float = number(1.5, 0.01, 100.0)
     gradient_limit_m: float = number(20.0, 1e-3, 1e6)
     manoeuvre_price_m: float = number(0.0, 0.0, 1e6)
+    near_share: float = number(0.0, 0.0, 0.95)
+    near_m: float = number(15.0, 0.0, 1e6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

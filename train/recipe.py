@@ -134,6 +134,8 @@ class Recipe:
                     "information, action, planar and intruders belong to [world]"
                 )
         if isinstance(self.hyperparameters, Ppo):
+            if self.hyperparameters.use_sde and self.domain is ROAD:
+                raise ParamsError("[algorithm]: use_sde explores continuous actions; a road has discrete ones")
             total = self.hyperparameters.n_steps * self.vec.n_envs
             if total % self.hyperparameters.batch_size:
                 raise ParamsError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -134,13 +134,19 @@ def closing_sentence(folder: Path, score: ValidationScore, validator: Validator)
         first = f"{verb} the {start['cost_m']:.2f} m of its start"
     except (OSError, ParamsError, KeyError, TypeError):
         first = "its start is not known"
-    able_here = able(validator.params)
-    rivals = {name: validator.score(make(name, validator.params), name) for name in SCRIPTED if name in able_here}
-    rule = next(name for name in RULES if name in able_here)
+    rivals = _rivals(validator.params, validator.episodes)
+    rule = next(name for name in RULES if name in rivals)
     best = ranked(rivals)[0].name
     against = [("the rule", rule)] + ([("the best scripted policy", best)] if best != rule else [])
     rest = " and ".join(f"{_verdict(score, rivals[name])} {what} {name}" for what, name in against)
     return f"the agent costs {cost_m:.2f} m an encounter: {first}, and it {rest}"
+
+
+@cache
+def _rivals(params: Params, episodes: int) -> dict[str, ValidationScore]:
+    """The scripted policies that fly in a world. A study compares many runs with them."""
+    validator, able_here = Validator(params, episodes), able(params)
+    return {name: validator.score(make(name, params), name) for name in SCRIPTED if name in able_here}
 
 
 def _verdict(score: ValidationScore, rival: ValidationScore) -> str:

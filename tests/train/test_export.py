@@ -61,6 +61,13 @@ def test_actions_equal_sb3(kind, network, world, tmp_path):
     np.testing.assert_allclose(actions, expected, atol=1e-5)
 
 
+def test_the_mean_of_state_dependent_exploration_is_exported(tmp_path):
+    venv = make_vec_env("rss_gym/Encounter-v0", 4, seed=1)
+    model = PPO("MlpPolicy", venv, n_steps=8, batch_size=16, n_epochs=1, seed=0, device="cpu", use_sde=True)
+    model.learn(64)
+    assert export(model, venv.params, tmp_path / "agent") <= 1e-5
+
+
 def test_normalisation_and_stack(tmp_path):
     venv = make_vec_env("rss_gym/Encounter-v0", 4, seed=1)
     wrapped = VecNormalize(VecFrameStack(venv, 3), clip_obs=2.0)

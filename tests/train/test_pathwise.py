@@ -62,7 +62,8 @@ def cost(batch, decisions, price):
 def flown(policy, price):
     batch = Batch(Params.of(information="oracle", gust_mps=0.0), 64)
     batch.seed(np.arange(64, dtype=np.uint64))
-    decisions = fly(batch, policy, np.ones(batch.observations.shape[1], np.float32))
+    everything = np.ones(64, bool)
+    decisions = fly(batch, policy, np.ones(batch.observations.shape[1], np.float32), lambda rows: rows.reset(everything))
     return batch, decisions, cost(batch, decisions, price)
 
 
@@ -74,7 +75,7 @@ def test_the_gradient_is_the_slope_of_the_cost_over_flights_of_the_world(near):
     with torch.no_grad():
         policy.action_net.bias.copy_(torch.tensor([-0.1, 0.05]))
     batch, decisions, _ = flown(policy, price)
-    observations, gradients = gradient(batch, decisions, price, 1e9)
+    observations, gradients = gradient(batch, decisions, price, 1e9, np.ones(64))
     policy.optimizer.zero_grad()
     torch.sum(actor.outputs(policy, observations) * gradients).backward()
     for axis, slope in enumerate(policy.action_net.bias.grad.tolist()):

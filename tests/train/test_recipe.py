@@ -166,6 +166,11 @@ def test_bad_input_is_one_sentence(changes, words):
         assert word in str(caught.value)
 
 
+def test_state_dependent_exploration_is_refused_on_a_road():
+    with pytest.raises(ParamsError, match="use_sde explores continuous actions"):
+        load("highway", {"algorithm.use_sde": True})
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -18,6 +18,7 @@ from rss_gym.sb3 import EncounterVecEnv
 from rss_gym.train import actor
 from rss_gym.train.masked import Masked
 from rss_gym.train.pathwise.flights import fly, gradient, least_margins
+from rss_gym.train.pathwise.near_misses import NearMisses
 from rss_gym.train.pathwise.price import SmoothPrice
 
 CHUNK = 1 << 16  # observations that the network is differentiated on at a time
@@ -59,6 +60,8 @@ class Pathwise(BaseAlgorithm):
         softness_m: float = 1.5,
         gradient_limit_m: float = 20.0,
         manoeuvre_price_m: float = 0.0,
+        near_share: float = 0.0,
+        near_m: float = 15.0,
         policy_kwargs: dict[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
@@ -80,6 +83,7 @@ class Pathwise(BaseAlgorithm):
             seed=seed,
         )
         self.softness_m, self.gradient_limit_m, self.manoeuvre_price_m = softness_m, gradient_limit_m, manoeuvre_price_m
+        self.near_misses = NearMisses(near_share, near_m, 4096)
         if _init_setup_model:
             self._setup_model()
 
@@ -108,17 +112,20 @@ class Pathwise(BaseAlgorithm):
         while self.num_timesteps < until:
             callback.on_rollout_start()
             batch, fields = self._rows()
-            decisions = fly(batch, self.policy, fields)
+            draws = np.random.default_rng((self.seed or 0, self._n_updates))
+            decisions = fly(batch, self.policy, fields, lambda rows: self.near_misses.reset(rows, draws))
             self.num_timesteps += sum(len(decision.rows) for decision in decisions)
             price = SmoothPrice.of(batch.params, self.softness_m, self.manoeuvre_price_m)
-            self._record(batch, least_margins(batch.n, decisions)[0][:, 1] < batch.params.zone.collision_m)
+            least_m = least_margins(batch.n, decisions)[0][:, 1]
+            weights = self.near_misses.weigh(batch, least_m)
+            self._record(batch, least_m < batch.params.zone.collision_m)
             callback.update_locals(locals())
             if not callback.on_step():
                 break
             callback.on_rollout_end()
             self._update_current_progress_remaining(self.num_timesteps, until)
             self._update_learning_rate(self.policy.optimizer)
-            self._update(batch.n, *gradient(batch, decisions, price, self.gradient_limit_m))
+            self._update(batch.n, *gradient(batch, decisions, price, self.gradient_limit_m, weights))
             if log_interval is not None and self._n_updates % log_interval == 0:
                 self.dump_logs()
         callback.on_training_end()

@@ -10,6 +10,7 @@ over the length of the flight, and the smooth prices of the least margins that a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,7 +47,7 @@ class Decision:
     step: StepSensitivity
 
 
-def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
+def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray, reset: Callable[[Batch], None]) -> list[Decision]:
     """Fly the next episode of every row to its end, by mean actions, and through collisions.
 
     A flight that a collision ended would not show how deep it went, and its least margin would hang on the tick.
@@ -60,14 +61,14 @@ def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
     """
     batch.state.config["collision_m"] = 0.0
     try:
-        return _flown(batch, policy, kept)
+        return _flown(batch, policy, kept, reset)
     finally:
         batch.state.config["collision_m"] = batch.params.zone.collision_m
 
 
-def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
+def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray, reset: Callable[[Batch], None]) -> list[Decision]:
     everything, axes = np.ones(batch.n, bool), 2 if batch.params.encounter.planar else 3
-    batch.reset(everything)
+    reset(batch)
     recorder, flying, decisions = StepRecorder(batch), everything.copy(), list[Decision]()
     while flying.any():
         rows = np.flatnonzero(flying)
@@ -87,7 +88,7 @@ def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]
 
 
 def gradient(
-    batch: Batch, decisions: list[Decision], price: SmoothPrice, limit_m: float
+    batch: Batch, decisions: list[Decision], price: SmoothPrice, limit_m: float, weights: np.ndarray
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """Observations (N, d) of all decisions and dJ/da (N, A), m, of the flights that `fly` has returned.
 
@@ -111,7 +112,7 @@ def gradient(
         back = total[:, :size] + np.einsum("nas,na->ns", now.feedback, total[:, size:])
         forward[rows] = bounded(back, 10.0 * limit_m)
         observations.append(now.observations)
-        gradients.append(torch.from_numpy(by_action.astype(np.float32)))
+        gradients.append(torch.from_numpy((by_action * weights[rows, None]).astype(np.float32)))
     return torch.cat(observations), torch.cat(gradients)
 
 

@@ -19,6 +19,7 @@ PAGE, CHART = "docs/learning.md", "docs/learning.svg"
 SECTIONS = {
     "curves": curves.section,
     "changes": ablations.changes,
+    "rare": ablations.rare,
     "ablations": ablations.ablations,
     "radios": radios.section,
 }

@@ -30,9 +30,11 @@ WITHOUT: Changes = {
 LEARNER, LEARNER_STEPS = "ppo-short", 1_000_000
 HALF = [{"start": 0.5, "proximity_price_m": 8000.0, "comfort_m": 20.0}]
 PRICES = {"world.collision_price_m": 10_000.0, "world.snmac_price_m": 100.0, "world.proximity_price_m": 0.0}
+SDE = {"algorithm.use_sde": True, "algorithm.sde_sample_freq": 8}
 WITH: Changes = {
     "nothing": {},
     "coherent exploration: decisions of 1 s": {"world.decision_s": 1.0},
+    "coherent exploration: gSDE, a new matrix every 8 decisions": SDE,
     "curriculum: twice the price within 20 m in the second half": {"curriculum": HALF},
     "potential-based shaping, 30 m": {"world.shaping_m": 30.0, "world.shaping_discount": 0.95},
     "the prices of the scores, no price of nearness": PRICES,
@@ -40,6 +42,18 @@ WITH: Changes = {
     "batches of 8,192": {"algorithm.batch_size": 8192},
     "two layers of 256": {"policy.net_arch": [256, 256]},
     "exploration of half the width": {"policy.log_std_init": -0.7},
+}
+
+
+RARE_STEPS = 4_000_000
+RARE: Changes = {
+    "nothing": {},
+    "half of the rows fly encounters again that came nearer than 20 m": {
+        "algorithm.near_share": 0.5,
+        "algorithm.near_m": 20.0,
+    },
+    "gradients of a decision up to 100 m": {"algorithm.gradient_limit_m": 100.0},
+    "both": {"algorithm.near_share": 0.5, "algorithm.near_m": 20.0, "algorithm.gradient_limit_m": 100.0},
 }
 
 
@@ -58,9 +72,18 @@ def changes(trainer: Trainer) -> Section:
     """PPO from scratch with one change."""
     return Section(
         "What helps PPO",
-        f"`{LEARNER}` trained for {LEARNER_STEPS:,} decisions with one change, {SEEDS} seeds each; {_how(trainer)} "
-        "State-dependent exploration is not among them, because an agent with it cannot be exported.",
+        f"`{LEARNER}` trained for {LEARNER_STEPS:,} decisions with one change, {SEEDS} seeds each; {_how(trainer)}",
         *_compared(trainer, LEARNER, LEARNER_STEPS, WITH, "change"),
+    )
+
+
+def rare(trainer: Trainer) -> Section:
+    """Near misses flown more often than they are drawn, with importance weights."""
+    return Section(
+        "Sampling of rare near misses",
+        f"`{AGENT}` trained for {RARE_STEPS:,} decisions with one change, {SEEDS} seeds each; {_how(trainer)} An "
+        "encounter that flies again weighs less by as much as it is drawn more often.",
+        *_compared(trainer, AGENT, RARE_STEPS, RARE, "change"),
     )
 
 
