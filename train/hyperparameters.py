@@ -60,8 +60,8 @@ def units(*default: int) -> Any:
 class Ppo(Group):
     """Of PPO. Zero in `clip_range_vf` or `target_kl` means none.
 
-    `use_sde` explores by noise that depends on the state (Raffin et al. 2022), with a new matrix every `sde_sample_freq`
-    decisions, -1 for one a rollout.
+    `use_sde` explores by noise that depends on the state (Raffin et al. 2022), with a new matrix every
+    `sde_sample_freq` decisions, -1 for one a rollout.
     """
 
     learning_rate: Schedule = field(default=Schedule(3e-4), metadata=within(1e-8, 1.0))
@@ -116,6 +116,8 @@ class Pathwise(Group):
     learning_rate : Schedule
     softness_m : float
         Width of the logistic functions that stand for the steps of the cost at an sNMAC and a collision.
+    softness_sigmas : float
+        What is added to this width in quadrature, in standard deviations of the track.
     gradient_limit_m : float
         Greatest gradient of a flight's cost by the action of one decision.
     manoeuvre_price_m : float
@@ -128,6 +130,7 @@ class Pathwise(Group):
 
     learning_rate: Schedule = field(default=Schedule(3e-3), metadata=within(1e-8, 1.0))
     softness_m: float = number(1.5, 0.01, 100.0)
+    softness_sigmas: float = number(0.0, 0.0, 100.0)
     gradient_limit_m: float = number(20.0, 1e-3, 1e6)
     manoeuvre_price_m: float = number(0.0, 0.0, 1e6)
     near_share: float = number(0.0, 0.0, 0.95)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 torch = pytest.importorskip("torch")
 pytest.importorskip("stable_baselines3")
@@ -15,7 +16,7 @@ from rss_gym.sb3 import make_vec_env  # noqa: E402
 from rss_gym.train import actor, recipe, run  # noqa: E402
 from rss_gym.train.pathwise import Pathwise  # noqa: E402
 from rss_gym.train.pathwise.flights import fly, gradient, least_margins  # noqa: E402
-from rss_gym.train.pathwise.jacobian import actions_with_jacobian  # noqa: E402
+from rss_gym.train.pathwise.jacobian import Actor  # noqa: E402
 from rss_gym.train.pathwise.price import SmoothPrice  # noqa: E402
 
 PRICE = SmoothPrice((100.0, 10_000.0, 20.0), (15.24, 4.5, -3.0), (3.0, 3.0, 1.0))
@@ -30,7 +31,7 @@ def model_of(activation=torch.nn.Tanh, **world):
 def test_the_jacobian_of_the_actor_is_autograds(activation):
     policy = model_of(activation).policy
     rows = torch.randn(5, policy.observation_space.shape[0])
-    actions, jacobian = actions_with_jacobian(policy, rows)
+    actions, jacobian = (torch.from_numpy(found) for found in Actor(policy)(rows.numpy()))
     torch.testing.assert_close(actions, actor.outputs(policy, rows).detach())
     for row, found in zip(rows, jacobian, strict=True):
         expected = torch.autograd.functional.jacobian(lambda x: actor.outputs(policy, x[None])[0], row)
@@ -40,20 +41,27 @@ def test_the_jacobian_of_the_actor_is_autograds(activation):
 def test_the_smooth_price_is_half_at_each_limit_and_falls_with_separation():
     price = SmoothPrice((100.0, 0.0, 20.0), (15.24, 4.5, -3.0), (1.5, 1.5, 1.0))
     d = np.linspace(0.0, 40.0, 4001)
-    slope = price.slope(np.stack([d, d, -d], axis=1))
+    slope = price.slope(np.stack([d, d, -d], axis=1), np.zeros((4001, 3)))
     total = np.cumsum(slope[:, 0]) * (d[1] - d[0])
     assert np.all(slope <= 0.0) and np.all(slope[:, 1] == 0.0)
     assert np.argmin(slope[:, 2]) == 300
     assert total[1524] == pytest.approx(-50.0, abs=0.2)
     assert total[-1] == pytest.approx(-100.0, abs=0.2)
-    assert abs(price.slope(np.array([[np.inf, np.inf, np.inf]]))[0, 0]) < 1e-20
+    assert abs(price.slope(np.full((1, 3), np.inf), np.ones((1, 3)))[0, 0]) < 1e-20
+
+
+def test_a_price_is_as_soft_as_the_track_is_uncertain():
+    margins, prices, limits = np.array([[9.0, 9.0, -2.0]]), (100.0, 1e4, 20.0), (15.24, 4.5, -3.0)
+    certain = SmoothPrice(prices, limits, (3.0, 3.0, 1.0), 0.5)
+    wider = SmoothPrice(prices, limits, (5.0, 5.0, 1.0))
+    np.testing.assert_allclose(certain.slope(margins, np.full((1, 3), 8.0)), wider.slope(margins, np.zeros((1, 3))))
 
 
 def cost(batch, decisions, price):
     """What `gradient` differentiates, of each flight."""
-    least, _ = least_margins(batch.n, decisions)
+    least = least_margins(batch.n, decisions).least_m
     near = sum(
-        price.prices_m[event] / (1.0 + np.exp((least[:, event] - price.limits_m[event]) / price.softness_m[event]))
+        price.prices_m[event] * norm.cdf((price.limits_m[event] - least[:, event]) / price.softness_m[event])
         for event in range(3)
     )
     return batch.episode["deviation_sum_m"] / batch.episode["ticks"] + near
@@ -62,8 +70,8 @@ def cost(batch, decisions, price):
 def flown(policy, price):
     batch = Batch(Params.of(information="oracle", gust_mps=0.0), 64)
     batch.seed(np.arange(64, dtype=np.uint64))
-    everything = np.ones(64, bool)
-    decisions = fly(batch, policy, np.ones(batch.observations.shape[1], np.float32), lambda rows: rows.reset(everything))
+    batch.reset(np.ones(64, bool))
+    decisions = fly(batch, policy, np.ones(batch.observations.shape[1], np.float32))
     return batch, decisions, cost(batch, decisions, price)
 
 
@@ -75,7 +83,7 @@ def test_the_gradient_is_the_slope_of_the_cost_over_flights_of_the_world(near):
     with torch.no_grad():
         policy.action_net.bias.copy_(torch.tensor([-0.1, 0.05]))
     batch, decisions, _ = flown(policy, price)
-    observations, gradients = gradient(batch, decisions, price, 1e9, np.ones(64))
+    observations, gradients = gradient(batch, decisions, least_margins(64, decisions), price, 1e9, np.ones(64))
     policy.optimizer.zero_grad()
     torch.sum(actor.outputs(policy, observations) * gradients).backward()
     for axis, slope in enumerate(policy.action_net.bias.grad.tolist()):

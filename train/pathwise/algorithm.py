@@ -37,10 +37,14 @@ class Pathwise(BaseAlgorithm):
     learning_rate : float or schedule
     softness_m : float
         The width of the smooth price, see `SmoothPrice`.
+    softness_sigmas : float
+        What is added to it in quadrature, in standard deviations of the track.
     gradient_limit_m : float
         Greatest gradient of the cost by one decision's action.
     manoeuvre_price_m : float
         The price of a flight that leaves its path, so that it does so only where it pays.
+    near_share, near_m : float
+        Share of the rows that fly near misses again, and the separation of these; see `NearMisses`.
     policy_kwargs, stats_window_size, tensorboard_log, verbose, device, seed
         As in Stable-Baselines3.
 
@@ -58,6 +62,7 @@ class Pathwise(BaseAlgorithm):
         env: Any,
         learning_rate: Any = 3e-3,
         softness_m: float = 1.5,
+        softness_sigmas: float = 0.0,
         gradient_limit_m: float = 20.0,
         manoeuvre_price_m: float = 0.0,
         near_share: float = 0.0,
@@ -82,6 +87,7 @@ class Pathwise(BaseAlgorithm):
             support_multi_env=True,
             seed=seed,
         )
+        self.softness_sigmas = softness_sigmas
         self.softness_m, self.gradient_limit_m, self.manoeuvre_price_m = softness_m, gradient_limit_m, manoeuvre_price_m
         self.near_misses = NearMisses(near_share, near_m, 4096)
         if _init_setup_model:
@@ -112,11 +118,12 @@ class Pathwise(BaseAlgorithm):
         while self.num_timesteps < until:
             callback.on_rollout_start()
             batch, fields = self._rows()
-            draws = np.random.default_rng((self.seed or 0, self._n_updates))
-            decisions = fly(batch, self.policy, fields, lambda rows: self.near_misses.reset(rows, draws))
+            self.near_misses.reset(batch, np.random.default_rng((self.seed or 0, self._n_updates)))
+            decisions = fly(batch, self.policy, fields)
             self.num_timesteps += sum(len(decision.rows) for decision in decisions)
-            price = SmoothPrice.of(batch.params, self.softness_m, self.manoeuvre_price_m)
-            least_m = least_margins(batch.n, decisions)[0][:, 1]
+            price = SmoothPrice.of(batch.params, self.softness_m, self.manoeuvre_price_m, self.softness_sigmas)
+            margins = least_margins(batch.n, decisions)
+            least_m = margins.least_m[:, 1]  # of a collision
             weights = self.near_misses.weigh(batch, least_m)
             self._record(batch, least_m < batch.params.zone.collision_m)
             callback.update_locals(locals())
@@ -125,7 +132,7 @@ class Pathwise(BaseAlgorithm):
             callback.on_rollout_end()
             self._update_current_progress_remaining(self.num_timesteps, until)
             self._update_learning_rate(self.policy.optimizer)
-            self._update(batch.n, *gradient(batch, decisions, price, self.gradient_limit_m, weights))
+            self._update(batch.n, *gradient(batch, decisions, margins, price, self.gradient_limit_m, weights))
             if log_interval is not None and self._n_updates % log_interval == 0:
                 self.dump_logs()
         callback.on_training_end()

@@ -10,7 +10,6 @@ over the length of the flight, and the smooth prices of the least margins that a
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ from stable_baselines3.common.policies import BasePolicy
 
 from rss_gym.core import Batch
 from rss_gym.sensitivity import EVENTS, StepRecorder, StepSensitivity, observation_sensitivity
-from rss_gym.train.pathwise.jacobian import actions_with_jacobian
+from rss_gym.train.pathwise.jacobian import Actor
 from rss_gym.train.pathwise.price import SmoothPrice
 
 
@@ -30,7 +29,7 @@ class Decision:
     Attributes
     ----------
     rows : (m,) int array
-    observations : (m, d) float32 tensor
+    observations : (m, d) float32 array
         As the actor saw them.
     actions : (m, A) array
         Mean actions, not clipped.
@@ -38,17 +37,38 @@ class Decision:
         K: derivative of the clipped action by the agent's state.
     step : StepSensitivity
         The derivatives of the step, for these rows.
+    std_m : (m,) array
+        Standard deviation of the tracked position on an axis, of the least certain track.
     """
 
     rows: np.ndarray
-    observations: torch.Tensor
+    observations: np.ndarray
     actions: np.ndarray
     feedback: np.ndarray
     step: StepSensitivity
+    std_m: np.ndarray
 
 
-def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray, reset: Callable[[Batch], None]) -> list[Decision]:
-    """Fly the next episode of every row to its end, by mean actions, and through collisions.
+@dataclass(frozen=True)
+class Margins:
+    """The least margins of n flights, by `EVENTS`.
+
+    Attributes
+    ----------
+    least_m : (n, 3) array
+    decision : (n, 3) int array
+        Number of the decision in whose step it is reached.
+    std_m : (n, 3) array
+        Standard deviation of the track at that decision.
+    """
+
+    least_m: np.ndarray
+    decision: np.ndarray
+    std_m: np.ndarray
+
+
+def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
+    """Fly the episode that every row has just begun to its end, by mean actions, and through collisions.
 
     A flight that a collision ended would not show how deep it went, and its least margin would hang on the tick.
 
@@ -61,49 +81,56 @@ def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray, reset: Callable[[Bat
     """
     batch.state.config["collision_m"] = 0.0
     try:
-        return _flown(batch, policy, kept, reset)
+        return _flown(batch, policy, kept)
     finally:
         batch.state.config["collision_m"] = batch.params.zone.collision_m
 
 
-def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray, reset: Callable[[Batch], None]) -> list[Decision]:
+def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
     everything, axes = np.ones(batch.n, bool), 2 if batch.params.encounter.planar else 3
-    reset(batch)
     recorder, flying, decisions = StepRecorder(batch), everything.copy(), list[Decision]()
+    actor = Actor(policy)
     while flying.any():
         rows = np.flatnonzero(flying)
-        seen = torch.from_numpy(batch.observations[rows] * kept)
-        means, jacobian = actions_with_jacobian(policy, seen)
-        slopes = torch.from_numpy(observation_sensitivity(batch, rows) * kept)
-        feedback = torch.bmm(jacobian, slopes.transpose(1, 2)).numpy().astype(np.float64)
-        wanted = means.numpy().astype(np.float64)
+        seen = batch.observations[rows] * kept
+        means, jacobian = actor(seen)
+        slopes = observation_sensitivity(batch, rows) * kept
+        feedback = (jacobian @ slopes.transpose(0, 2, 1)).astype(np.float64)
+        wanted = means.astype(np.float64)
         feedback[np.abs(wanted) > 1.0] = 0.0
         actions = np.zeros((batch.n, 3))
         actions[rows, :axes] = np.clip(wanted, -1.0, 1.0)
         recorder.remember()
+        std_m = _std_m(batch, rows)
         batch.step(actions, flying)
-        decisions.append(Decision(rows, seen, wanted, feedback, recorder.differentiate(actions, rows)))
+        decisions.append(Decision(rows, seen, wanted, feedback, recorder.differentiate(actions, rows), std_m))
         flying &= ~(batch.episode["terminated"] | batch.episode["truncated"])
     return decisions
 
 
+def _std_m(batch: Batch, rows: np.ndarray) -> np.ndarray:
+    tracks = batch.state.tracks[rows]
+    variance = np.where(tracks["valid"], (tracks["xx"] + tracks["yy"]) / 2.0, 0.0)
+    return np.sqrt(variance.max(axis=1))
+
+
 def gradient(
-    batch: Batch, decisions: list[Decision], price: SmoothPrice, limit_m: float, weights: np.ndarray
+    batch: Batch, decisions: list[Decision], margins: Margins, price: SmoothPrice, limit_m: float, weights: np.ndarray
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """Observations (N, d) of all decisions and dJ/da (N, A), m, of the flights that `fly` has returned.
 
-    `limit_m` bounds the length of each decision's gradient, and ten times as much that of l.
+    `limit_m` bounds the length of each decision's gradient, and ten times as much that of l; `weights` (n,) are those
+    of the flights.
     """
     size = decisions[0].step.state.shape[1]
-    least, last = least_margins(batch.n, decisions)
-    slope, length = price.slope(least), batch.episode["ticks"].astype(np.float64)
+    slope, length = price.slope(margins.least_m, margins.std_m), batch.episode["ticks"].astype(np.float64)
     forward = np.zeros((batch.n, size))  # l of the next step
     observations, gradients = [], []
     for number in range(len(decisions) - 1, -1, -1):
         now = decisions[number]
         rows, step = now.rows, now.step
         weight = batch.params.reward.deviation_price / length[rows, None]
-        near = np.where(last[rows] == number, slope[rows], 0.0)
+        near = np.where(margins.decision[rows] == number, slope[rows], 0.0)
         total = weight * step.deviation_slope + np.einsum("ne,nie->ni", near, step.least_slope)
         total += np.einsum("nij,nj->ni", step.state_slope, forward[rows])
         by_action = bounded(total[:, size:], limit_m)
@@ -112,18 +139,21 @@ def gradient(
         back = total[:, :size] + np.einsum("nas,na->ns", now.feedback, total[:, size:])
         forward[rows] = bounded(back, 10.0 * limit_m)
         observations.append(now.observations)
-        gradients.append(torch.from_numpy((by_action * weights[rows, None]).astype(np.float32)))
-    return torch.cat(observations), torch.cat(gradients)
+        gradients.append((by_action * weights[rows, None]).astype(np.float32))
+    return torch.from_numpy(np.concatenate(observations)), torch.from_numpy(np.concatenate(gradients))
 
 
-def least_margins(n: int, decisions: list[Decision]) -> tuple[np.ndarray, np.ndarray]:
-    """Least margins of each flight by `EVENTS`, m, and the decisions in which they are reached; both (n, 3)."""
-    least, last = np.full((n, len(EVENTS)), np.inf), np.zeros((n, len(EVENTS)), np.int64)
+def least_margins(n: int, decisions: list[Decision]) -> Margins:
+    """Of n flights."""
+    shape = n, len(EVENTS)
+    found = Margins(np.full(shape, np.inf), np.zeros(shape, np.int64), np.zeros(shape))
     for number, decision in enumerate(decisions):
-        rows, found = decision.rows, decision.step.least_m
-        last[rows] = np.where(found < least[rows], number, last[rows])
-        least[rows] = np.minimum(found, least[rows])
-    return least, last
+        rows, least_m = decision.rows, decision.step.least_m
+        less = least_m < found.least_m[rows]
+        found.decision[rows] = np.where(less, number, found.decision[rows])
+        found.std_m[rows] = np.where(less, decision.std_m[:, None], found.std_m[rows])
+        found.least_m[rows] = np.where(less, least_m, found.least_m[rows])
+    return found
 
 
 def bounded(vectors: np.ndarray, limit: float) -> np.ndarray:

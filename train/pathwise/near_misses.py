@@ -49,7 +49,7 @@ class NearMisses:
         self._new = batch.n - again
 
     def weigh(self, batch: Batch, least_m: np.ndarray) -> np.ndarray:
-        """Weights (n,) of the flights, whose least separations are `least_m`; new ones that came near are remembered."""
+        """Weights (n,) of flights with these least separations (n,); new ones that came near are remembered."""
         near, share = least_m < self.limit_m, 1.0 - self._new / batch.n
         near[self._new :] = True  # drawn as such, however they ended this time
         weights = np.full(batch.n, 1.0 / (1.0 - share))
