@@ -66,7 +66,7 @@ def test_an_ablation_flies_in_the_world_that_it_was_trained_in():
     [
         (ablations.AGENT, ablations.AGENT_STEPS, ablations.WITHOUT),
         (ablations.LEARNER, ablations.LEARNER_STEPS, ablations.WITH),
-        (ablations.AGENT, ablations.RARE_STEPS, ablations.RARE),
+        (ablations.AGENT, ablations.AGENT_STEPS, ablations.RARE),
     ],
 )
 def test_every_change_is_one_of_its_recipe(recipe, steps, table):
