@@ -84,6 +84,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         self.ranging = RssRanging(road, self.params)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
+        self.is_training = False  # whether the traffic is compiled, and the deviation charged evenly
 
     @property
     def spec(self) -> EnvSpec | None:
@@ -125,8 +126,10 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         super().reset(seed=seed)
         if seed is None and self.ranging.plan is None:
             seed = int(self.np_random.integers(2**62))
+        self.ranging.is_compiled = self.is_training
         observation, info = self.ranging.reset(seed=seed, options=options)
-        self._cost = Cost(self.params.reward)
+        decisions = round(self.scene.duration_s / self.params.clock.decision_s)
+        self._cost = Cost(self.params.reward, decisions if self.is_training else None)
         return observation, self._info(info)
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
