@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ def driver(folder: str) -> Driver:
     ParamsError
         If it records no training on a road.
     """
-    recipe = document_of(read(folder)[0]).get("training", {}).get("recipe", {})
+    recipe = document_of(read(Path(folder))[0]).get("training", {}).get("recipe", {})
     road = recipe.get("recipe", {}).get("env")
     if road not in ROADS:
         raise ParamsError(f"--learned {folder!r}: the folder must hold a driver trained on {', '.join(ROADS)}")
