@@ -88,8 +88,8 @@ def row(name: str, table: np.ndarray, rule: np.ndarray) -> list[Any]:
 def collision_gap(table: np.ndarray, other: np.ndarray) -> Interval:
     """Difference of two drivers' collision rates on the same drives."""
     one, two = table["collision"].astype(bool), other["collision"].astype(bool)
-    counts = (int(np.count_nonzero(pair)) for pair in (one & two, one & ~two, two & ~one))
-    return paired_difference(*counts, len(table))
+    both, only_one, only_two = (int(np.count_nonzero(pair)) for pair in (one & two, one & ~two, two & ~one))
+    return paired_difference(both, only_one, only_two, len(table))
 
 
 def deviation_gap(table: np.ndarray, other: np.ndarray) -> Interval:
