@@ -104,7 +104,8 @@ class BaseBatch(ABC):
         Written by `reset` and `step`; copy before handing it out.
     rewards : (n,) array
     is_training : bool
-        Whether the rows may be driven faster, by other code that is equal but for rounding; scores are not.
+        Whether the rows are those of a training: drives on roads are then faster, equal but for rounding, and their
+        rewards charge the deviation evenly.
     """
 
     episode: Any

@@ -255,7 +255,6 @@ def ship(run: Path, name: str, limits: str = "", into: Path = FOLDER, encounters
     ParamsError
         For another name, or a run that is not finished.
     """
-    figure.require_figures()
     if not NAME.fullmatch(name):
         raise ParamsError(f"name {name!r} must be small letters, digits and hyphens, such as ppo-plane")
     recipe, document = runs.read(run)

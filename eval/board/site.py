@@ -170,7 +170,7 @@ def _replays(folder: Path, suite: Suite, line: dict[str, Any], found: list[repla
     return name
 
 
-def _bars(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+def _bars(rows: list[dict[str, Any]]) -> dict[str, Markup]:
     """Costs by family of each suite that the entry was flown on to its end."""
     lines = [one["row"].line for one in rows if not one["row"].line["failed"]]
     return {line["suite"]: drawing.bars(line["public"]["families"], line["sealed"]["families"]) for line in lines}

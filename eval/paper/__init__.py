@@ -14,7 +14,6 @@ from rss_gym.eval.paper.number import Number
 from rss_gym.eval.paper.panel import Panel
 from rss_gym.eval.paper.study import QUICK, Size, Study
 from rss_gym.files import new_folder, write_text
-from rss_gym.pages.figure import require_figures
 from rss_gym.params import ParamsError
 from rss_gym.progress import progress_bar
 
@@ -57,9 +56,8 @@ def reproduce(size: Size | None = None, seed: int = 0, progress: bool | None = N
     Raises
     ------
     ParamsError
-        For a seed out of range, or when matplotlib is missing.
+        For a seed out of range.
     """
-    require_figures()
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < SEED_END:
         raise ParamsError(f"seed must be a whole number in [0, {SEED_END}), got {seed!r}")
     study = Study(size or Size(), seed)

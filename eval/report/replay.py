@@ -1,7 +1,7 @@
 """Each policy's closest encounters, flown again beside a reference on the same episode, for the player of the page.
 
 `fly` flies them once, when a record is written; `player` makes what the script of the page plays of a result and these
-flights alone.
+flights alone. They are no figures of `rss_gym.pages.figure`, because a figure stands still.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ class RoadBatch(BaseBatch):
     def reset(self, mask: np.ndarray) -> None:
         """Start the next episode in the rows of `mask`, shape (n,)."""
         for row in np.flatnonzero(mask).tolist():
-            self.environments[row].ranging.is_compiled = self.is_training
+            self.environments[row].is_training = self.is_training
             number = int(self.numbers[row])
             options = {"split": _SPLITS[self.split[row]], "episode": number}
             self.observations[row], info = self.environments[row].reset(seed=int(self.seeds[row]), options=options)

@@ -29,7 +29,7 @@ class CompiledTraffic:
         self._rows = np.array([self._row(vehicle) for vehicle in [*road.vehicles, *road.objects]], VEHICLE)
 
     def run(self, agent: Any, ticks: int, tick_s: float) -> tuple[np.ndarray, np.ndarray]:
-        """Drive for some ticks; highway-env's vehicles are then where they would be.
+        """Drive for some ticks; the agent of highway-env is then where it would be, the others after `write_back`.
 
         Returns
         -------
@@ -43,9 +43,13 @@ class CompiledTraffic:
         number = vehicles.index(agent)
         rows[number] = self._row(agent)  # what its driver has commanded
         drive(rows, number, self._table, ticks, tick_s, states, roads)
-        for vehicle, row in zip(vehicles, rows.tolist(), strict=False):
-            self._write(vehicle, row)
+        self._write(agent, rows[number].tolist())
         return states[:, : len(vehicles)], roads
+
+    def write_back(self) -> None:
+        """Put all vehicles of highway-env where the kernel has them."""
+        for vehicle, row in zip(self.road.vehicles, self._rows.tolist(), strict=False):
+            self._write(vehicle, row)
 
     def _row(self, vehicle: Any) -> tuple[Any, ...]:
         """A vehicle, or an object, as the kernel has it."""
@@ -106,16 +110,19 @@ class CompiledTraffic:
         return table
 
 
-def take_over(base: Any, sensor: Sensor, is_compiled: bool) -> None:
-    """Drive the episode that has begun by the kernel, if that is wanted and it can; else by highway-env.
+def take_over(base: Any, sensor: Sensor, is_compiled: bool) -> CompiledTraffic | None:
+    """Drive the episode that has begun by the kernel if that is wanted and it can; else None, and highway-env drives.
 
     highway-env's reward and info, which are not looked at in trainings, are then empty.
     """
     for name in ("_simulate", "_reward", "_info"):
         vars(base).pop(name, None)
-    if is_compiled and can_compile(base.road):
-        base._simulate = functools.partial(_simulate, base, CompiledTraffic(base.road), sensor)
-        base._reward, base._info = _no_reward, _no_info
+    if not (is_compiled and can_compile(base.road)):
+        return None
+    traffic = CompiledTraffic(base.road)
+    base._simulate = functools.partial(_simulate, base, traffic, sensor)
+    base._reward, base._info = _no_reward, _no_info
+    return traffic
 
 
 def _simulate(base: Any, traffic: CompiledTraffic, sensor: Sensor, action: Any) -> None:

@@ -12,6 +12,9 @@ class Cost:
     ----------
     prices : Reward
         Of which a road knows `deviation_price`, `snmac_price_m` (of a near miss) and `collision_price_m`.
+    decisions : int, optional
+        Of a whole drive. The term of the deviation is then its sum so far over these in place of its mean so far, and a
+        metre costs the same at every decision: rewards of trainings do not depend on how long a drive has lasted.
 
     Attributes
     ----------
@@ -23,8 +26,8 @@ class Cost:
         Mean over the decisions so far of the distance from where the planned lane and speed would have led.
     """
 
-    def __init__(self, prices: Reward) -> None:
-        self.prices = prices
+    def __init__(self, prices: Reward, decisions: int | None = None) -> None:
+        self.prices, self.decisions = prices, decisions
         self.terms = dict.fromkeys(("deviation", "snmac", "collision"), 0.0)
         self.changes = dict(self.terms)
         self.deviation_mean_m = 0.0
@@ -41,7 +44,7 @@ class Cost:
         self.deviation_mean_m = self._sum_m / self._decisions
         before, total_m, prices = self.terms, self.total_m, self.prices
         self.terms = {
-            "deviation": prices.deviation_price * self.deviation_mean_m,
+            "deviation": prices.deviation_price * self._sum_m / (self.decisions or self._decisions),
             "snmac": prices.snmac_price_m * snmac,
             "collision": prices.collision_price_m * collision,
         }

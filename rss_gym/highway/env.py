@@ -84,6 +84,7 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         self.ranging = RssRanging(road, self.params)
         self.observation_space, self.action_space = self.ranging.observation_space, self.ranging.action_space
         self.render_mode = render_mode
+        self.is_training = False  # whether the traffic is compiled, and the deviation charged evenly
 
     @property
     def spec(self) -> EnvSpec | None:
@@ -125,9 +126,11 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         super().reset(seed=seed)
         if seed is None and self.ranging.plan is None:
             seed = int(self.np_random.integers(2**62))
+        self.ranging.is_compiled = self.is_training
         observation, info = self.ranging.reset(seed=seed, options=options)
-        self._cost = Cost(self.params.reward)
-        return observation, self._info(info)
+        decisions = round(self.scene.duration_s / self.params.clock.decision_s)
+        self._cost = Cost(self.params.reward, decisions if self.is_training else None)
+        return observation, self._info(info, self._deviation_m())
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Drive for one decision.
@@ -142,8 +145,9 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         if not self.action_space.contains(action):
             raise ValueError(f"action must be in {self.action_space}, got {action!r}")
         observation, _, terminated, truncated, found = self.ranging.step(action)
-        reward = self._cost.decided(self._deviation_m(), found["snmac"], found["collision"])
-        return observation, reward, terminated, truncated, self._info(found, terminated or truncated)
+        deviation_m = self._deviation_m()
+        reward = self._cost.decided(deviation_m, found["snmac"], found["collision"])
+        return observation, reward, terminated, truncated, self._info(found, deviation_m, terminated or truncated)
 
     def render(self) -> Any:
         """highway-env's picture."""
@@ -157,11 +161,11 @@ class RoadEnv(gym.Env[np.ndarray, Any]):
         """Distance from where the planned lane and speed would have led by now."""
         return float(np.hypot(*(self.vehicle.position - self.ranging.planned_m)))
 
-    def _info(self, info: dict[str, Any], ended: bool = False) -> dict[str, Any]:
+    def _info(self, info: dict[str, Any], deviation_m: float, ended: bool = False) -> dict[str, Any]:
         plan, cost = self.plan, self._cost
         values = {
             **{name: info[name] for name in ("collision", "snmac", "zone", "min_separation_m")},
-            "deviation_m": self._deviation_m(),
+            "deviation_m": deviation_m,
             "deviation_mean_m": cost.deviation_mean_m,
             "lane_error_m": abs(plan.error_m(self.vehicle)),
             "speed_error_mps": abs(float(self.vehicle.speed) - plan.speed_mps),

@@ -8,6 +8,7 @@ the direction of the agent's lane and `right` is to the right of it, where lanes
 from __future__ import annotations
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 
@@ -62,10 +63,15 @@ _POSITION = [
 
 def fields(params: Params) -> list[Field]:
     """The columns of the observation in order; those of the k-th nearest vehicle are prefixed `vehicle_k.`."""
+    return list(_fields(params))
+
+
+@cache
+def _fields(params: Params) -> tuple[Field, ...]:
     vehicle = _vehicle(params)
     others = range(params.encounter.intruders)
     each = [dataclasses.replace(f, name=f"vehicle_{k}.{f.name}") for k in others for f in vehicle]
-    return _OWN + each + _lanes(params)
+    return (*_OWN, *each, *_lanes(params))
 
 
 def _vehicle(params: Params) -> list[Field]:

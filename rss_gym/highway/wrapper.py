@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 
 from rss_gym.core import SEED_LIMIT, SPLITS, checked_options, checked_seed
-from rss_gym.highway.compiled_traffic import take_over
+from rss_gym.highway.compiled_traffic import CompiledTraffic, take_over
 from rss_gym.highway.config import check
 from rss_gym.highway.observation import Writer
 from rss_gym.highway.params import KEYWORDS, RoadParams
@@ -72,7 +72,8 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
         self.sensor, self.driver, self.radio = Sensor(self.params, road.radio_range_m), road.driver, road.radio
         self._writer = Writer(self.params, self.radio)
         self.observation_space = gym.spaces.Box(self._writer.low, self._writer.high, dtype=np.float32)
-        self.is_compiled = False  # whether the traffic is that of `take_over`
+        self.is_compiled = False  # whether the traffic is to be that of `take_over`
+        self.traffic: CompiledTraffic | None = None
         self.plan: Plan | None = None
         self._seed, self._next = 0, 0  # of the episodes
         self._seeded = self._ended = False
@@ -135,7 +136,7 @@ class RssRanging(gym.Wrapper[np.ndarray, Any, Any, Any]):
             hand_over(base, self.plan.speed_mps)
         self.sensor.start(base.road, base.vehicle, split, self._seed, number, key)
         base.road.step = functools.partial(_step, base.road, self.sensor)
-        take_over(base, self.sensor, self.is_compiled)
+        self.traffic = take_over(base, self.sensor, self.is_compiled)
         info.pop("action", None)  # a random one, of a generator without a seed
         info.pop("rewards", None)  # of that action
         return self._observe(), info | self._info()

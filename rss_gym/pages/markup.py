@@ -40,12 +40,6 @@ def breaks(name: object) -> Markup:
     return Markup(re.sub("[:,]", r"\g<0><wbr>", str(escape(name))))
 
 
-def pixels(value: float) -> str:
-    """A coordinate to a tenth of a pixel."""
-    shown = f"{value:.1f}".removesuffix(".0")
-    return "0" if shown == "-0" else shown
-
-
 def minus(shown: str) -> str:
     """A number with a minus sign in place of a hyphen in front."""
     return re.sub("^-", MINUS, shown)
@@ -61,5 +55,5 @@ def _environment(folder: Path) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"breaks": breaks, "minus": minus, "number": number, "figure": figures, "px": pixels}
+    environment.filters |= {"breaks": breaks, "minus": minus, "number": number, "figure": figures}
     return environment

@@ -2,8 +2,6 @@
 
 from xml.etree import ElementTree
 
-import pytest
-
 from rss_gym.baselines import POLICIES
 from rss_gym.eval import evaluate, records
 from rss_gym.eval.metrics import Estimate
@@ -41,7 +39,6 @@ def test_a_record_becomes_a_ranked_table(tmp_path):
 
 
 def test_the_chart_draws_points_without_an_event():
-    pytest.importorskip("matplotlib")
 
     def row(rate, deviation_m):
         high = max(2.0 * rate, 1e-3)

@@ -134,3 +134,15 @@ def test_a_drive_behind_a_slower_vehicle_is_a_near_miss_before_it_is_a_collision
     near = [info["snmac"] for info in infos]
     assert near == sorted(near) and near[-1]
     assert not infos[0]["snmac"]
+
+
+def test_in_a_training_a_metre_costs_the_same_at_every_decision():
+    prices = Reward(**OTHER_PRICES)
+    cost = Cost(prices, decisions=20)
+    rewards = [cost.decided(8.0, False, False) for _ in range(20)]
+    assert rewards == pytest.approx([-0.5 * 8.0 / 20.0] * 20)
+    assert cost.total_m == pytest.approx(0.5 * 8.0) and cost.deviation_mean_m == pytest.approx(8.0)
+    whole = Cost(prices)
+    for _ in range(20):
+        whole.decided(8.0, False, False)
+    assert whole.total_m == pytest.approx(cost.total_m)

@@ -109,7 +109,6 @@ def test_a_model_of_sb3_is_exported(tmp_path):
 
 
 def test_a_run_is_shipped(run, tmp_path):
-    pytest.importorskip("matplotlib")
     from rss_gym.train.ship import ship
 
     card = (ship(run, "mine", "- Short.", tmp_path / "agents") / "card.md").read_text()

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import pytest
 
 pytest.importorskip("stable_baselines3")
-pytest.importorskip("matplotlib")
 
 from rss_gym.eval.metrics import Estimate
 from rss_gym.train.recipe import load

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from rss_gym.arguments import count
 from rss_gym.eval.studies.section import Section
 from rss_gym.eval.studies.study import Part
-from rss_gym.pages.figure import require_figures
 from rss_gym.train.study import ablations, curves, radios
 from rss_gym.train.study.training import Trainer
 
@@ -35,7 +34,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Iterator[Part]:
     """A part a section."""
-    require_figures()
     trainer = Trainer(options.runs, options.workers, options.seeds, options.episodes, options.shrink)
     found: dict[str, Section] = {}
     for name in options.sections:

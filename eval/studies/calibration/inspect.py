@@ -38,9 +38,7 @@ def inspect(
     options = ReadOptions(**reading)
     if report is not None:
         from rss_gym.files import check_new
-        from rss_gym.pages.figure import require_figures
 
-        require_figures()
         check_new(report)
     everything = []
     for name, source in zip(names, sources(list(names)), strict=True):

@@ -18,7 +18,6 @@ from rss_gym.eval.studies.calibration.calibrate import Calibration
 from rss_gym.eval.studies.calibration.compare import FIGURES
 from rss_gym.eval.studies.calibration.text import errors, part
 from rss_gym.files import check_new, new_folder
-from rss_gym.pages.figure import require_figures
 from rss_gym.pages.table import Table
 from rss_gym.params import ParamsError, load_channel
 from rss_gym.radio import save_channel
@@ -42,10 +41,8 @@ def check_outputs(out: str | os.PathLike[str], report: str | os.PathLike[str] | 
     folder = Path(name).absolute().parent
     if not os.access(folder, os.W_OK) or not os.path.isdir(folder):
         raise ParamsError(f"channel file {name!r} cannot be written: {str(folder)!r} is not a folder to write to")
-    if report is not None:
-        require_figures()
-        if Path(name).resolve().is_relative_to(check_new(report).resolve()):
-            raise ParamsError(f"channel file {name!r} must lie outside the report's folder {os.fspath(report)!r}")
+    if report is not None and Path(name).resolve().is_relative_to(check_new(report).resolve()):
+        raise ParamsError(f"channel file {name!r} must lie outside the report's folder {os.fspath(report)!r}")
     if os.path.lexists(name):
         try:
             load_channel(Path(name).absolute())

@@ -14,7 +14,6 @@ from rss_gym.arguments import count
 from rss_gym.eval.studies.opponents import page
 from rss_gym.eval.studies.opponents.jobs import AGENTS, RADII, SUITE, agents, families, planned
 from rss_gym.eval.studies.study import Part, fly, made, read
-from rss_gym.pages.figure import require_figures
 
 PAGE, CHART = "docs/opponents.md", "docs/opponents.svg"
 
@@ -27,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Iterator[Part]:
     """Fly what is missing; the README's table, then the page and its chart."""
-    require_figures()
     todo = [job for job in planned(options.shrink) if not options.readme or job.name.startswith("readme")]
     flown = fly(todo, options.workers, options.runs)
     table = f"{page.short(of(flown, 'readme'))}\n\n{made('opponents', todo[0].episodes)}"

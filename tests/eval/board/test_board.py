@@ -198,7 +198,7 @@ def test_pages(flown, tmp_path):
     pages = {page: page.read_text(encoding="utf-8") for page in (out / "entries").glob("*.html")}
     entry = next(page for page, text in pages.items() if "ppo copy" in text and 'id="player"' not in text)
     text = entry.read_text(encoding="utf-8")
-    assert '<polyline class="own"' in text and "policy.safetensors" in text and "Bob &lt;b&gt;&amp;" in text
+    assert 'aria-label="Paths from above"' in text and "policy.safetensors" in text and "Bob &lt;b&gt;&amp;" in text
     (played,) = (out / "entries").glob(f"{entry.stem}-first-*.html")
     text = played.read_text(encoding="utf-8")
     assert f'<a href="{entry.name}">' in text and 'id="player"' in text and '"beside":1' in text
