@@ -63,6 +63,8 @@ def run(name: str, arguments: Sequence[str] = ()) -> None:
     parser.add_argument("--runs", type=Path, default=RUNS, metavar="DIR", help=f"folder of records (default: {RUNS})")
     study.add_arguments(parser)
     options = parser.parse_args(arguments)
+    if options.pages is not None and not (options.pages / "docs").is_dir():  # before hours of flights, not after them
+        raise ParamsError(f"--pages {str(options.pages)!r} must be the root of a clone, a folder with docs/ in it")
     for part in study.run(options):
         print(part.text, flush=True)
         if options.pages is not None:  # after each: an interrupted study keeps what it has flown

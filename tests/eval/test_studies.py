@@ -46,6 +46,11 @@ def test_the_study_trains_with_the_settings_of_the_example():
     assert learning.LEARNING_RATE in [n.value for n in ast.walk(rate) if isinstance(n, ast.Constant)]
 
 
+def test_pages_that_are_no_clone_are_refused_before_anything_is_flown(tmp_path):
+    with pytest.raises(ParamsError, match="must be the root of a clone"):
+        studies.run("world", ["--pages", str(tmp_path)])
+
+
 def test_ratio_names_what_never_happened():
     assert sensor.ratio(0.02, 0.001, 100) == "20.0 times"
     assert sensor.ratio(0.02, 0.0, 100) == "2.00e-02 against none in 100"
