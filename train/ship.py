@@ -154,7 +154,10 @@ def described(params: Params) -> str:
     """What of a world a policy depends on, in words."""
     encounter = params.encounter
     names = {load_channel(name): name for name in CHANNELS}
-    channels = [names.get(channel, f"one of its own (in {DOCUMENT})") for channel in params.channels]
+    channels = list(dict.fromkeys(names[channel] for channel in params.channels if channel in names))
+    others = sum(channel not in names for channel in params.channels)
+    if others:
+        channels.append(f"{others} of its own (in {DOCUMENT})")
     several = f"{encounter.intruders_min} to " if encounter.intruders_min else ""
     what = {"": "planar" if encounter.planar else "in space", "intruders: ": f"{several}{encounter.intruders}"}
     rest = {"families: ": f"{encounter.families}", "tracker ": f"`{params.tracking.tracker}`"}

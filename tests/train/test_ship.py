@@ -61,7 +61,7 @@ def test_the_cheapest_over_more_encounters_is_shipped(tiny_run, tmp_path):
 def test_what_the_card_says_of_other_worlds():
     params = Params.of(planar=False, intruders=3, intruders_min=1, channel=["clean", {"path_loss_factor": 2.5}])
     text = ship.described(params)
-    for part in ("in space", "1 to 3", "clean", "one of its own"):
+    for part in ("in space", "1 to 3", "clean", "1 of its own"):
         assert part in text
     plain, other = recipe.load("ppo"), recipe.load("ppo", {"curriculum": [{"start": 0.5, "comfort_m": 20.0}]})
     assert ship.changed(plain) == {} and "curriculum" in str(ship.changed(other))
