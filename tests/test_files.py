@@ -134,7 +134,7 @@ from rss_gym.files import new_folder, reserved
 with reserved(sys.argv[1]), new_folder(sys.argv[1]) as folder:
     (folder / "half").write_text("x")
     print("held", flush=True)
-    time.sleep(60)
+    time.sleep(3600)
 """
 
 

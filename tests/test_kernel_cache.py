@@ -13,6 +13,7 @@ from rss_gym import jit, kernel_cache
 
 pytestmark = pytest.mark.slow
 
+PATIENCE_S = 900.0  # until something counts as hanging: the machine may be loaded
 REPOSITORY = Path(jit.__file__).resolve().parents[1]
 RUN = """
 import sys, time
@@ -193,7 +194,7 @@ def test_cold_processes_compile_once(package, tmp_path):
         )
         for _ in range(count)
     ]
-    results = [process.communicate(timeout=120)[0].split() for process in started]
+    results = [process.communicate(timeout=PATIENCE_S)[0].split() for process in started]
     assert [value for value, *_ in results] == ["3.0"] * count
     assert sum(int(misses) for *_, misses in results) == 1
     assert sum(int(hits) for _, hits, _ in results) == count - 1
@@ -218,4 +219,4 @@ def test_a_file_system_without_locks_does_not_matter(tmp_path, monkeypatch):
     turn = kernel_cache.Turn(tmp_path)
     with turn.scope():
         started = time.monotonic()
-        assert not turn.take() and time.monotonic() - started < 1.0
+        assert not turn.take() and time.monotonic() - started < kernel_cache.WAIT_S / 2.0

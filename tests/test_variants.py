@@ -245,7 +245,7 @@ def test_a_registered_estimator_is_compared_with_the_others(copies):
 def test_looking_up_the_world_of_a_part_costs_little():
     params = Params()
     variants.kernels(params)
-    start = time.perf_counter()
+    start = time.process_time()
     for _ in range(1000):
         variants.kernels(params)
-    assert time.perf_counter() - start < 0.05
+    assert time.process_time() - start < 0.05
