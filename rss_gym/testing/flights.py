@@ -6,29 +6,29 @@ from typing import Any
 
 import numpy as np
 
-from rss_gym.core import Batch, decode
+from rss_gym.domain import domain_of
 from rss_gym.params import Params
 
 
-def fresh(params: Params, count: int, first: int = 0) -> Batch:
-    """A batch at the start of the episodes of the seeds `first`, `first` + 1, ..."""
-    batch = Batch(params, count)
+def fresh(params: Params, count: int, first: int = 0) -> Any:
+    """A batch at the start of the episodes of the seeds `first`, `first` + 1, ..., in the air or on a road."""
+    batch = domain_of(params).make_batch(params, count)
     batch.seed(np.arange(first, first + count, dtype=np.uint64))
     batch.reset(np.ones(count, bool))
     return batch
 
 
-def ended(batch: Batch) -> np.ndarray:
+def ended(batch: Any) -> np.ndarray:
     """Rows whose episode is over, shape (n,)."""
     return np.asarray(batch.episode["terminated"] | batch.episode["truncated"])
 
 
-def step(batch: Batch, actions: Any) -> None:
+def step(batch: Any, actions: Any) -> None:
     """Fly one decision in the rows whose episode goes on."""
-    batch.step(decode(actions, batch.params, batch.n), ~ended(batch))
+    batch.step(domain_of(batch.params).decode(actions, batch.params, batch.n), ~ended(batch))
 
 
-def fly_on(batch: Batch, decisions: int = 10_000) -> None:
+def fly_on(batch: Any, decisions: int = 10_000) -> None:
     """Follow the predefined trajectories to the end, or for so many decisions; nothing may become infinite."""
     still = np.zeros((batch.n, 2 if batch.params.encounter.planar else 3), np.float32)
     for _ in range(decisions):

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Discrete
 
+from rss_gym.domain import domain_of
 from rss_gym.params import Params
 from rss_gym.testing.flights import ended, fresh, step
 
@@ -25,15 +27,12 @@ def check_policy(policy: Any, params: Params, decisions: int = 60) -> None:
         How long it is flown.
     """
     batch, lone = fresh(params, COUNT), fresh(params, COUNT)
-    axes = 2 if params.encounter.planar else 3
+    space = domain_of(params).spaces(params)[1]
     state = state_alone = None
     for number in range(decisions):
         first = np.full(COUNT, number == 0)
         actions, state = policy.predict(batch.observations, state, first)
-        assert actions.shape == (COUNT, axes), f"actions of {COUNT} rows must have the shape {(COUNT, axes)}"
-        assert actions.dtype == np.float32, f"actions must be float32, got {actions.dtype}"
-        assert np.isfinite(actions).all(), "an action is not finite"
-        assert (np.abs(actions) <= 1.0).all(), "an action is outside [-1, 1]"
+        _check_actions(actions, space)
         alone, state_alone = policy.predict(lone.observations[3], state_alone, first[:1])
         assert np.array_equal(alone, actions[3]), "the action of a row depends on the other rows of the batch"
         for one in (batch, lone):
@@ -41,6 +40,17 @@ def check_policy(policy: Any, params: Params, decisions: int = 60) -> None:
         if ended(batch).all():
             break
     _check_memory(policy, batch.observations, state)
+
+
+def _check_actions(actions: Any, space: Any) -> None:
+    shape = (COUNT, *space.shape)
+    assert actions.shape == shape, f"actions of {COUNT} rows must have the shape {shape}"
+    if isinstance(space, Discrete):
+        assert all(space.contains(action) for action in actions), f"an action is not in {space}"
+        return
+    assert actions.dtype == np.float32, f"actions must be float32, got {actions.dtype}"
+    assert np.isfinite(actions).all(), "an action is not finite"
+    assert (np.abs(actions) <= 1.0).all(), "an action is outside [-1, 1]"
 
 
 def _check_memory(policy: Any, observations: np.ndarray, state: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from rss_gym.eval.studies.section import Criterion, Section
 from rss_gym.eval.suites import Suite, find
 from rss_gym.ids import ROADS
 from rss_gym.pages.table import Column
-from rss_gym.params import ParamsError
+from rss_gym.params import ParamsError, Reward
 
 RULE, SPLIT, SEED = "rule", "suite", 0
 COLLISIONS, DEVIATION = ROAD["collision_rate"], ROAD["path_deviation_mean_m"]
@@ -31,12 +31,13 @@ GAPS = (
 
 @dataclass(frozen=True)
 class Driver:
-    """A learned driver from its folder: the road that it was trained on, and whether it goes without the radio."""
+    """A learned driver from its folder: the road and the prices of its training, and whether it hears the others."""
 
     name: str
     folder: str
     road: str
     is_blind: bool
+    prices: Reward = field(default_factory=Reward)
 
 
 def driver(folder: str) -> Driver:
@@ -52,7 +53,8 @@ def driver(folder: str) -> Driver:
     if road not in ROADS:
         raise ParamsError(f"--learned {folder!r}: the folder must hold a driver trained on {', '.join(ROADS)}")
     blind = recipe.get("policy", {}).get("zeroed") == "radio"
-    return Driver(folder_name(folder) + (" without the radio" if blind else ""), folder, road, blind)
+    prices = Reward(**recipe.get("world", {}).get("reward", {}))
+    return Driver(folder_name(folder) + (" without the radio" if blind else ""), folder, road, blind, prices)
 
 
 def suite_of(road: str) -> Suite:
@@ -97,6 +99,16 @@ def deviation_gap(table: np.ndarray, other: np.ndarray) -> Interval:
     return mean_t(table["deviation_mean_m"] - other["deviation_mean_m"])
 
 
+def cost_gap(table: np.ndarray, other: np.ndarray, prices: Reward) -> Interval:
+    """Mean difference of two drivers' costs at the prices of a training, in metres of deviation."""
+
+    def cost_m(of: np.ndarray) -> np.ndarray:
+        events = prices.snmac_price_m * of["snmac"] + prices.collision_price_m * of["collision"]
+        return np.asarray(of["deviation_mean_m"] + events / prices.deviation_price)
+
+    return mean_t(cost_m(table) - cost_m(other))
+
+
 def criteria(drivers: Sequence[Driver], tables: dict[str, np.ndarray]) -> list[Criterion]:
     """Each driver that hears against the rule, and against the one that does not."""
     found = []
@@ -110,11 +122,11 @@ def criteria(drivers: Sequence[Driver], tables: dict[str, np.ndarray]) -> list[C
             )
         )
         for blind in (driver for driver in drivers if driver.is_blind):
-            gap = collision_gap(tables[blind.name], tables[seeing.name])
+            gap = cost_gap(tables[blind.name], tables[seeing.name], seeing.prices)
             found.append(
                 Criterion(
-                    f"`{blind.name}` collides more than `{seeing.name}`, beyond the interval",
-                    shown(gap, GAPS[0]).replace("rule's", f"{seeing.name}'s"),
+                    f"`{blind.name}` costs more than `{seeing.name}` at the prices of its training, clearly",
+                    f"{GAPS[1].cell(gap).plain} m more",
                     gap.low is not None and gap.low > 0.0,
                 )
             )
