@@ -12,7 +12,7 @@ NOMINAL = "nominal"
 POLICIES = {
     "none": NOMINAL, "orthogonal": "c0", "orca": "c1", "mvp": "c2", "cbf": "c3", "mpc": "c4",
     "qmdp": "c8", "modified-orthogonal": "c5", "pathwise-plane": "c6", "pathwise-space": "c6", "pathwise-radios": "c6",
-    "ppo-plane": "c7", "ppo-range": "c7",
+    "ppo-plane": "c7", "ppo-range": "c7", "ppo-merge": "c7",
 }  # fmt: skip
 ESTIMATORS = {
     "ls": "c7", "ls-window": "c6", "ekf-white-r": "c4", "ekf-white": "c1", "ekf-coloured-literal": "c5",
