@@ -115,9 +115,10 @@ class Pathwise(Group):
     ----------
     learning_rate : Schedule
     softness_m : float
-        Width of the logistic functions that stand for the steps of the cost at an sNMAC and a collision.
+        Standard deviation of the normal distribution functions that stand for the steps of the cost at an sNMAC and
+        a collision.
     softness_sigmas : float
-        What is added to this width in quadrature, in standard deviations of the track.
+        What is added to it in quadrature, in standard deviations of the track.
     gradient_limit_m : float
         Greatest gradient of a flight's cost by the action of one decision.
     manoeuvre_price_m : float
@@ -129,12 +130,12 @@ class Pathwise(Group):
     """
 
     learning_rate: Schedule = field(default=Schedule(3e-3), metadata=within(1e-8, 1.0))
-    softness_m: float = number(1.5, 0.01, 100.0)
+    softness_m: float = number(3.5, 0.01, 100.0)
     softness_sigmas: float = number(0.0, 0.0, 100.0)
     gradient_limit_m: float = number(20.0, 1e-3, 1e6)
     manoeuvre_price_m: float = number(0.0, 0.0, 1e6)
     near_share: float = number(0.0, 0.0, 0.95)
-    near_m: float = number(15.0, 0.0, 1e6)
+    near_m: float = number(20.0, 0.0, 1e6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

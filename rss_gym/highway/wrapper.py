@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 
 from rss_gym.core import SEED_LIMIT, SPLITS, checked_options, checked_seed
-from rss_gym.highway.compiled_traffic import CompiledTraffic, take_over
+from rss_gym.highway.compiled_traffic.road import CompiledTraffic, take_over
 from rss_gym.highway.config import check
 from rss_gym.highway.observation import Writer
 from rss_gym.highway.params import KEYWORDS, RoadParams

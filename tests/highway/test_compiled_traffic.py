@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rss_gym.highway import traffic_step
 from rss_gym.highway.batch import RoadBatch
-from rss_gym.highway.compiled_traffic import can_compile
+from rss_gym.highway.compiled_traffic import drivers, motion, records
+from rss_gym.highway.compiled_traffic.road import can_compile
 from rss_gym.highway.env import RoadEnv
 from rss_gym.highway.params import RoadParams
 
@@ -76,9 +76,9 @@ def test_constants_are_highway_envs():
         "ACC_MAX", "COMFORT_ACC_MAX", "COMFORT_ACC_MIN", "DISTANCE_WANTED", "TIME_WANTED", "POLITENESS",
         "LANE_CHANGE_MIN_ACC_GAIN", "LANE_CHANGE_MAX_BRAKING_IMPOSED", "LANE_CHANGE_DELAY",
     ):  # fmt: skip
-        assert getattr(traffic_step, name) == getattr(IDMVehicle, name)
+        assert getattr(drivers, name) == getattr(IDMVehicle, name)
     for name in ("KP_A", "KP_HEADING", "KP_LATERAL", "TAU_PURSUIT"):
-        assert getattr(traffic_step, name) == pytest.approx(getattr(ControlledVehicle, name))
-    assert pytest.approx(ControlledVehicle.MAX_STEERING_ANGLE) == traffic_step.MAX_STEERING
-    assert traffic_step.MAX_SPEED == Vehicle.MAX_SPEED == -Vehicle.MIN_SPEED
-    assert traffic_step.VEHICLE_LENGTH == Vehicle.LENGTH
+        assert getattr(drivers, name) == pytest.approx(getattr(ControlledVehicle, name))
+    assert pytest.approx(ControlledVehicle.MAX_STEERING_ANGLE) == drivers.MAX_STEERING
+    assert motion.MAX_SPEED == Vehicle.MAX_SPEED == -Vehicle.MIN_SPEED
+    assert records.VEHICLE_LENGTH == Vehicle.LENGTH

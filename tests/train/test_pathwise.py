@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-torch = pytest.importorskip("torch")
 pytest.importorskip("stable_baselines3")
 
-from stable_baselines3.common.vec_env import VecFrameStack  # noqa: E402
+import torch
+from stable_baselines3.common.vec_env import VecFrameStack
 
-from rss_gym.baselines.agent import load as load_agent  # noqa: E402
-from rss_gym.core import Batch  # noqa: E402
-from rss_gym.params import Params, ParamsError  # noqa: E402
-from rss_gym.sb3 import make_vec_env  # noqa: E402
-from rss_gym.train import actor, recipe, run  # noqa: E402
-from rss_gym.train.pathwise import Pathwise  # noqa: E402
-from rss_gym.train.pathwise.flights import fly, gradient, least_margins  # noqa: E402
-from rss_gym.train.pathwise.jacobian import Actor  # noqa: E402
-from rss_gym.train.pathwise.price import SmoothPrice  # noqa: E402
+from rss_gym.baselines.agent import load as load_agent
+from rss_gym.core import Batch
+from rss_gym.params import Params, ParamsError
+from rss_gym.sb3 import make_vec_env
+from rss_gym.train import actor, recipe, run
+from rss_gym.train.pathwise import Pathwise
+from rss_gym.train.pathwise.flights import fly, gradient, least_margins
+from rss_gym.train.pathwise.linearised_actor import LinearisedActor
+from rss_gym.train.pathwise.price import SmoothPrice
 
 PRICE = SmoothPrice((100.0, 10_000.0, 20.0), (15.24, 4.5, -3.0), (3.0, 3.0, 1.0))
 
@@ -31,7 +31,7 @@ def model_of(activation=torch.nn.Tanh, **world):
 def test_the_jacobian_of_the_actor_is_autograds(activation):
     policy = model_of(activation).policy
     rows = torch.randn(5, policy.observation_space.shape[0])
-    actions, jacobian = (torch.from_numpy(found) for found in Actor(policy)(rows.numpy()))
+    actions, jacobian = (torch.from_numpy(found) for found in LinearisedActor(policy)(rows.numpy()))
     torch.testing.assert_close(actions, actor.outputs(policy, rows).detach())
     for row, found in zip(rows, jacobian, strict=True):
         expected = torch.autograd.functional.jacobian(lambda x: actor.outputs(policy, x[None])[0], row)

@@ -36,7 +36,7 @@ class Pathwise(BaseAlgorithm):
         observations.
     learning_rate : float or schedule
     softness_m : float
-        The width of the smooth price, see `SmoothPrice`.
+        The standard deviation of the smooth price, see `SmoothPrice`.
     softness_sigmas : float
         What is added to it in quadrature, in standard deviations of the track.
     gradient_limit_m : float
@@ -61,12 +61,12 @@ class Pathwise(BaseAlgorithm):
         policy: str | type[ActorCriticPolicy],
         env: Any,
         learning_rate: Any = 3e-3,
-        softness_m: float = 1.5,
+        softness_m: float = 3.5,
         softness_sigmas: float = 0.0,
         gradient_limit_m: float = 20.0,
         manoeuvre_price_m: float = 0.0,
         near_share: float = 0.0,
-        near_m: float = 15.0,
+        near_m: float = 20.0,
         policy_kwargs: dict[str, Any] | None = None,
         stats_window_size: int = 100,
         tensorboard_log: str | None = None,
@@ -89,7 +89,7 @@ class Pathwise(BaseAlgorithm):
         )
         self.softness_sigmas = softness_sigmas
         self.softness_m, self.gradient_limit_m, self.manoeuvre_price_m = softness_m, gradient_limit_m, manoeuvre_price_m
-        self.near_misses = NearMisses(near_share, near_m, 4096)
+        self.near_misses = NearMisses(near_share, near_m)
         if _init_setup_model:
             self._setup_model()
 

@@ -18,7 +18,7 @@ from stable_baselines3.common.policies import BasePolicy
 
 from rss_gym.core import Batch
 from rss_gym.sensitivity import EVENTS, StepRecorder, StepSensitivity, observation_sensitivity
-from rss_gym.train.pathwise.jacobian import Actor
+from rss_gym.train.pathwise.linearised_actor import LinearisedActor
 from rss_gym.train.pathwise.price import SmoothPrice
 
 
@@ -89,7 +89,7 @@ def fly(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
 def _flown(batch: Batch, policy: BasePolicy, kept: np.ndarray) -> list[Decision]:
     everything, axes = np.ones(batch.n, bool), 2 if batch.params.encounter.planar else 3
     recorder, flying, decisions = StepRecorder(batch), everything.copy(), list[Decision]()
-    actor = Actor(policy)
+    actor = LinearisedActor(policy)
     while flying.any():
         rows = np.flatnonzero(flying)
         seen = batch.observations[rows] * kept
@@ -144,7 +144,7 @@ def gradient(
 
 
 def least_margins(n: int, decisions: list[Decision]) -> Margins:
-    """Of n flights."""
+    """Those of n flights."""
     shape = n, len(EVENTS)
     found = Margins(np.full(shape, np.inf), np.zeros(shape, np.int64), np.zeros(shape))
     for number, decision in enumerate(decisions):

@@ -26,10 +26,10 @@ class NearMisses:
         Encounters that are remembered, the latest ones.
     """
 
-    def __init__(self, share: float, limit_m: float, size: int) -> None:
+    def __init__(self, share: float, limit_m: float, size: int = 4096) -> None:
         self.share, self.limit_m = share, limit_m
         self._known: deque[tuple[int, int, int]] = deque(maxlen=size)  # seed, number, new encounters flown before it
-        self._flown = 0  # new encounters
+        self._flown = self._new = 0  # new encounters: in all, and in the rows that fly now
 
     @property
     def rarity(self) -> float:

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from rss_gym.highway.compiled_traffic.records import CONNECTED_MAX, CONTROLLED, IDM, LANE, OBSTACLE, VEHICLE
+from rss_gym.highway.compiled_traffic.step import drive
 from rss_gym.highway.sensor import Sensor
-from rss_gym.highway.traffic_step import CONNECTED_MAX, CONTROLLED, IDM, LANE, OBSTACLE, VEHICLE, drive
 
 
 class CompiledTraffic:

@@ -1,4 +1,4 @@
-"""The actor in NumPy, with the derivative of its actions by its observation.
+"""The actor that learns, in NumPy, with the derivative of its actions by its observation.
 
 Batches of a few dozen rows are small: PyTorch would spend more time on its calls than on the numbers.
 """
@@ -13,8 +13,8 @@ import torch
 from rss_gym.train.actor import parts
 
 
-class Actor:
-    """Dense layers with Tanh or ReLU between them, as they are now.
+class LinearisedActor:
+    """Dense layers with Tanh or ReLU between them, as they are when this is made.
 
     Parameters
     ----------
